@@ -5,14 +5,17 @@ use std::sync::OnceLock;
 
 use ffmpeg_next as av;
 
-/// Registers FFmpeg's error texts and silences its own log; every entry into FFmpeg calls this
-/// first.
+use crate::read::film::damage_log::begin_to_listen;
+
+/// Registers FFmpeg's error texts and has its log listened to, not printed; every entry into FFmpeg
+/// calls this first.
 pub(crate) fn start() {
     static STARTED: OnceLock<()> = OnceLock::new();
     STARTED.get_or_init(|| {
         // It only registers devices and error texts, and always returns Ok.
         let _ = av::init();
         av::log::set_level(av::log::Level::Quiet);
+        begin_to_listen();
     });
 }
 

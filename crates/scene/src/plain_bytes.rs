@@ -19,12 +19,24 @@ pub(crate) fn plain_bytes(path: &Path, most: u64) -> Result<Vec<u8>, PlainBytesE
 /// The same of a file that is open.
 pub(crate) fn bytes_of(mut file: File, most: u64) -> Result<Vec<u8>, PlainBytesError> {
     let there = file.metadata()?;
-    if !there.is_file() || there.len() > most {
+    if !there.is_file() {
         return Err(PlainBytesError::Other);
+    }
+    if there.len() > most {
+        return Err(PlainBytesError::Large(there.len(), most));
     }
     let mut bytes = Vec::new();
     file.by_ref().take(most).read_to_end(&mut bytes)?;
     Ok(bytes)
+}
+
+/// Most bytes of a file that is kept whole: as many as the machine has memory, where Linux tells,
+/// else 64 GiB.
+pub(crate) fn most_kept() -> u64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let total = told.lines().find_map(|line| line.strip_prefix("MemTotal:"));
+    let kib = total.and_then(|rest| rest.split_whitespace().next()?.parse().ok());
+    kib.map_or(1 << 36, |kib: u64| kib.saturating_mul(1024))
 }
 
 /// Why a file is not read.
@@ -33,7 +45,10 @@ pub(crate) enum PlainBytesError {
     /// The system refuses.
     #[error("{0}")]
     System(#[from] std::io::Error),
-    /// It is no plain file, or larger than it may be.
-    #[error("it is no plain file, or too large")]
+    /// It is larger than it may be, both in bytes.
+    #[error("it has {0} bytes, and at most {1} can be read")]
+    Large(u64, u64),
+    /// It is no plain file.
+    #[error("it is no plain file")]
     Other,
 }

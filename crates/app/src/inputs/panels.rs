@@ -57,7 +57,17 @@ pub(super) const FORMATS: &[Format] = &[
                 "a number behind it, which is said",
             ),
             found(
-                "a file that is missing, leads out, or is too long",
+                "a map of fewer values than its region has pixels, or up to four times more",
+                Remarked,
+                "a geometryWarpFile is interpolated, an alphaMap or betaMap resampled",
+            ),
+            found(
+                "an alphaMap or betaMap that is missing or no sound PNG",
+                Remarked,
+                "left out, with the region and the file",
+            ),
+            found(
+                "a geometryWarpFile that is missing, or any file that leads out or is too long",
                 Refused,
                 "by line and name",
             ),

@@ -33,6 +33,11 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "a film, each picture for its time, the last one too",
         },
         Finding {
+            found: "GIF or APNG that ends within a picture, or lacks pictures that it tells of",
+            outcome: Mended,
+            told: "the pictures that are whole, `repairs.cut_short`",
+        },
+        Finding {
             found: "broken EXIF or XMP",
             outcome: Mended,
             told: "passed over, `repairs.broken_tags`",

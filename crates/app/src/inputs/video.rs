@@ -21,9 +21,51 @@ pub(super) const FORMATS: &[Format] = &[Format {
                    `repairs.lost_packets`",
         },
         Finding {
-            found: "an end before the one that the container tells",
+            found: "damage that a decoder only logs (a missing reference of HEVC, a slice of \
+                    FFV1), a picture of HEVC that its own checksum refuses, a hole of zeros in \
+                    coded data (32 in H.264 and HEVC, 512 in VP8, VP9, AV1 and MJPEG)",
+            outcome: Mended,
+            told: "the same",
+        },
+        Finding {
+            found: "clusters of Matroska and WebM that are torn, or that their checksum refuses",
+            outcome: Mended,
+            told: "what FFmpeg finds in them, `repairs.damaged_clusters`",
+        },
+        Finding {
+            found: "other bytes in the place of coded data of HEVC, VP8, VP9, AV1 or HuffYUV that \
+                    decode all the same, where no checksum tells; a bare stream (`.h264`, `.hevc`) \
+                    that lacks whole pictures or ends in one of HEVC",
+            outcome: Read,
+            told: "as the decoder takes it, without a word: nothing in the file shows it",
+        },
+        Finding {
+            found: "even time stamps with a hole in a few places",
+            outcome: Remarked,
+            told: "the frame before stays there; where there is damage, `repairs.missing_frames`",
+        },
+        Finding {
+            found: "frames that last for hours between others",
+            outcome: Remarked,
+            told: "the rate is that of most frames of the index",
+        },
+        Finding {
+            found: "an end before the one that the container tells; within a frame (Y4M) or a \
+                    packet (transport streams)",
             outcome: Mended,
             told: "shown up to there, `repairs.cut_short`",
+        },
+        Finding {
+            found: "a display matrix of zeros, of other than right angles, or slanted",
+            outcome: Mended,
+            told: "as stored, or by the nearest quarter turn, `repairs.broken_tags`; mirrors are \
+                   followed",
+        },
+        Finding {
+            found: "a clean aperture (`clap`) of MP4 or QuickTime",
+            outcome: Remarked,
+            told: "that part is shown; one that is no part of the picture is passed over, \
+                   `repairs.broken_tags`",
         },
         Finding {
             found: "an edit list, a copy that was trimmed, sound longer than the pictures",
@@ -58,8 +100,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "pixels whose shape changes",
-            outcome: Remarked,
-            told: "shown in that of the first frame",
+            outcome: Mended,
+            told: "shown in that of the first frame, `repairs.reshaped_frames`",
         },
         Finding {
             found: "pictures whose size changes",

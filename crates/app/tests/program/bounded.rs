@@ -268,3 +268,102 @@ fn a_line_of_two_gigabytes_is_refused_by_its_line() {
     let words = ["long.csv", "line 3", "longer than 65536 bytes"];
     assert_refused(&within([20, 1_500_000], &arguments), 1, &words);
 }
+
+#[test]
+fn a_file_of_a_tebibyte_of_nothing_is_refused_in_little_memory() {
+    let folder = Folder::new();
+    let sparse = |name: &str| {
+        let path = folder.holding(name, b"");
+        let file = std::fs::File::options().write(true).open(&path).unwrap();
+        file.set_len(1 << 40).unwrap();
+        path
+    };
+    for ending in ["obj", "ply", "stl", "gltf", "las"] {
+        let path = sparse(&format!("nothing.{ending}"));
+        let out = folder.name("nothing.foveal");
+        let ran = within([20, 1_000_000], &["prepare", "scene", &path, "--out", &out]);
+        assert_refused(&ran, 1, &[&format!("nothing.{ending}")]);
+    }
+    for ending in ["mjpeg", "h264", "ts"] {
+        let path = sparse(&format!("nothing.{ending}"));
+        let ran = within(
+            [60, 3_000_000],
+            &[
+                "prepare",
+                "video",
+                &path,
+                "--out",
+                &folder.name("nothing.foveal"),
+            ],
+        );
+        assert_refused(&ran, 1, &[&format!("nothing.{ending}")]);
+    }
+}
+
+#[test]
+fn where_the_system_opens_no_more_files_a_line_says_so_and_what_to_do() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "small.mkv", &waves([64, 64], 2));
+    let out = folder.name("small.foveal");
+    let told = |files: u32| {
+        let plain = command(&["prepare", "video", &clip, "--out", &out, "--force"]);
+        let mut limited = Command::new("sh");
+        let script = format!("ulimit -n {files}; exec \"$@\"");
+        limited.args(["-c", &script, "sh"]).arg(plain.get_program());
+        limited.args(plain.get_args());
+        finish(limited)
+    };
+    let all: Vec<Ran> = (4..14).map(told).collect();
+    // With fewest the loader of the system finds no library, before the program begins.
+    let is_told = |ran: &&Ran| ran.code == Some(1) && ran.stderr.contains("`ulimit -n 4096`");
+    let told: Vec<&Ran> = all.iter().filter(is_told).collect();
+    assert!(!told.is_empty(), "{all:?}");
+    assert!(
+        told.iter().any(|ran| ran.stderr.contains("small.")),
+        "{told:?}"
+    );
+}
+
+/// A pack's bytes, of whose first chunk the second half is `with`, and all its checksums are right.
+fn with_other_chunk(pack: &[u8], with: u8) -> Vec<u8> {
+    let header = Header::parse(pack).unwrap();
+    let mut bytes = pack.to_vec();
+    let page = header.index_offset as usize;
+    let word = |at: usize| u32::from_le_bytes(pack[at..at + 4].try_into().unwrap()) as usize;
+    let (rows, units) = (page + 16, word(page + 8));
+    let chunk = word(rows)..word(rows) + word(rows + 8);
+    bytes[chunk.start + chunk.len() / 2..chunk.end].fill(with);
+    let crc = crc32c(&bytes[chunk]).to_le_bytes();
+    bytes[rows + 12..rows + 16].copy_from_slice(&crc);
+    let all = [&bytes[page..page + 12], &bytes[rows..rows + 16 * units]].concat();
+    bytes[page + 12..page + 16].copy_from_slice(&crc32c(&all).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn a_coarsest_unit_that_does_not_decode_is_found_though_its_checksum_is_right() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "clip.mkv", &waves([128, 64], 10));
+    let pack = folder.name("clip.foveal");
+    for codec in ["png", "jpeg", "h264", "vp9"] {
+        let prepare = [
+            "prepare", "video", &clip, "--out", &pack, "--force", "--fast",
+        ];
+        done(&[&prepare[..], &["--levels", "1", "--codec", codec]].concat());
+        let whole = std::fs::read(&pack).unwrap();
+        done(&["verify", &pack]);
+        let path = folder.holding("altered.foveal", &with_other_chunk(&whole, 0xff));
+        let ran = within([20, 2_000_000], &["verify", &path, "--json"]);
+        // Other decoders may make pictures of anything.
+        if ["h264", "vp9"].contains(&codec) && ran.code == Some(0) {
+            continue;
+        }
+        assert_eq!(ran.code, Some(1), "{codec}: {ran:?}");
+        let told: Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert_eq!(told["damaged_places"], 1, "{told}");
+        let damage = told["damage"][0].as_str().unwrap();
+        for words in ["chunk of level 0, frames from 0", "pictures that decode"] {
+            assert!(damage.contains(words), "{codec}: {damage}");
+        }
+    }
+}

@@ -17,8 +17,15 @@ const MOST_BYTES: usize = 900;
 const MOST_OF_ONE: usize = 400;
 /// What is done to every film of its kind, and is no damage.
 const NO_DAMAGE: [&str; 1] = ["deinterlaced_frames"];
+/// A last frame of a film that is shown for longer is told; seconds.
+const LONG_LAST_S: f64 = 1.0;
 /// By how much the last frame must be shown longer than others, or shorter, to be told.
 const UNLIKE: f64 = 0.05;
+/// Of so many frames one place may lack some in an even film of so many at least; a frame that
+/// stands for more periods than this is meant to, or told of otherwise.
+const HOLES: usize = 50;
+const LEAST_EVEN: usize = 8;
+const MOST_LENGTH: f64 = 1000.0;
 /// Codecs of animations, which say of every picture how long it is shown.
 const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
 
@@ -61,18 +68,25 @@ pub(super) fn findings(
     }
     let notes = time_notes(times, fps, mended.repaired_stamps, of);
     let mut repairs = mended.repairs();
-    let missing = match mended.damaged + mended.lost {
-        0 => 0,
-        _ => missing_frames(times, fps),
+    let missing = missing_frames(times, fps);
+    let are_missing = |frames| match frames {
+        1 => "1 frame is".to_owned(),
+        more => format!("{more} frames are"),
     };
-    if missing > 0 {
-        repairs.insert("missing_frames".to_owned(), missing);
+    let is_damaged = mended.damaged + mended.lost + mended.clusters.damaged > 0;
+    let is_animation = ANIMATIONS.contains(&plan.description.source.codec.as_str());
+    if is_damaged && missing.is_even && missing.frames > 0 {
+        repairs.insert("missing_frames".to_owned(), missing.frames);
         warnings.push(format!(
             "about {} missing where it is damaged; the frame before stays there",
-            match missing {
-                1 => "1 frame is".to_owned(),
-                more => format!("{more} frames are"),
-            }
+            are_missing(missing.frames)
+        ));
+    } else if missing.are_holes() && !is_animation {
+        warnings.push(format!(
+            "by its time stamps about {} missing between others, the first after frame {}: lost, \
+             or left out when it was recorded; the frame before stays there",
+            are_missing(missing.frames),
+            missing.first
         ));
     }
     if notes.ends_early {
@@ -82,25 +96,57 @@ pub(super) fn findings(
         repairs.insert("damaged_sound_packets".to_owned(), sound.damaged);
     }
     warnings.extend(notes.said);
+    let last_frame_s = last_frame_s(plan, times, *last_ns);
+    if let Some(seconds) = last_frame_s.filter(|it| *it > LONG_LAST_S && !is_animation) {
+        warnings.push(format!("its last frame is shown for {seconds:.2} s"));
+    }
     Findings {
         warnings,
         repairs,
-        last_frame_s: last_frame_s(plan, times, *last_ns),
+        last_frame_s,
+    }
+}
+
+/// What a film lacks between frames, by its rate.
+struct Missing {
+    frames: u64,
+    /// The frame before the first gap.
+    first: usize,
+    gaps: usize,
+    /// Lengths between frames that are no period and no gap.
+    uneven: usize,
+    lengths: usize,
+    /// Whether most frames last a period.
+    is_even: bool,
+}
+
+impl Missing {
+    /// Whether few places of an otherwise even film lack frames: one whose rate changes lacks none.
+    fn are_holes(&self) -> bool {
+        let most = (self.lengths / HOLES).max(1);
+        self.gaps > 0 && self.gaps <= most && self.uneven == 0 && self.lengths >= LEAST_EVEN
     }
 }
 
 /// Frames that a film of one rate lacks between others.
-fn missing_frames(times: &[i64], fps: f64) -> u64 {
+fn missing_frames(times: &[i64], fps: f64) -> Missing {
     let lengths = times
         .windows(2)
         .map(|pair| (pair[1] - pair[0]) as f64 / 1e9 * fps);
     let lengths: Vec<f64> = lengths.collect();
     let even = lengths.iter().filter(|it| (0.9..1.1).contains(*it)).count();
-    if even * 4 < lengths.len() * 3 {
-        return 0;
+    let gaps = || lengths.iter().filter(|it| **it > 1.5);
+    // A jump is told of as that.
+    let is_jump = |length: &f64| *length > MOST_LENGTH;
+    let uneven = lengths.len() - even - gaps().count() + gaps().filter(|it| is_jump(it)).count();
+    Missing {
+        frames: gaps().map(|it| it.round() as u64 - 1).sum(),
+        first: lengths.iter().position(|it| *it > 1.5).unwrap_or(0),
+        gaps: gaps().count(),
+        uneven,
+        lengths: lengths.len(),
+        is_even: even * 4 >= lengths.len() * 3,
     }
-    let gaps = lengths.iter().filter(|it| **it > 1.5);
-    gaps.map(|it| it.round() as u64 - 1).sum()
 }
 
 /// How long the last frame is shown, where that is told and is not a period.

@@ -39,8 +39,8 @@ impl VideoInput {
     /// Opens the file and decodes its first frame; damage is mended, interlaced film deinterlaced.
     ///
     /// # Errors
-    /// The file is missing, empty, no video, holds no frame, or asks for a slanted rotation or a
-    /// colour matrix that a picture cannot hold.
+    /// The file is missing, empty, no video, holds no frame, or asks for a colour matrix that a
+    /// picture cannot hold.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         Self::open_with(path, ReadOptions::default())
     }

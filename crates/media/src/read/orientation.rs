@@ -3,7 +3,9 @@
 use foveal_core::view::picture::Picture;
 
 /// The elements of a display matrix below this are taken as zero; 16.16 fixed point, so 0.01.
-const NEARLY_ZERO: i32 = 655;
+const NEARLY_ZERO: f64 = 655.0;
+/// A matrix that leaves less of an area than this share of its largest element squared leaves none.
+const FLAT: f64 = 1e-3;
 
 /// One of the eight ways to lay a picture on its screen: first transpose, then mirror.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -17,28 +19,43 @@ pub(crate) struct Orientation {
 }
 
 impl Orientation {
-    /// From the 36 bytes of a display matrix (row vectors, 16.16 fixed point, native order); None
-    /// where it turns by anything but a multiple of 90 degrees.
-    pub(crate) fn from_display_matrix(bytes: &[u8]) -> Option<Self> {
+    /// The nearest to the 36 bytes of a display matrix (row vectors, 16.16 fixed point, native
+    /// order), and what is odd about that where it asks for something else.
+    pub(crate) fn from_display_matrix(bytes: &[u8]) -> (Self, Option<String>) {
         let element = |i: usize| {
             let word = bytes.get(4 * i..4 * i + 4)?;
-            Some(i32::from_ne_bytes(word.try_into().ok()?))
+            Some(f64::from(i32::from_ne_bytes(word.try_into().ok()?)))
         };
-        let [a, b, c, d] = [element(0)?, element(1)?, element(3)?, element(4)?];
-        let zero = |n: i32| n.saturating_abs() < NEARLY_ZERO;
-        match (zero(a) && zero(d), zero(b) && zero(c)) {
-            (false, true) => Some(Self {
-                transpose: false,
-                mirror_x: a < 0,
-                mirror_y: d < 0,
-            }),
-            (true, false) => Some(Self {
-                transpose: true,
-                mirror_x: c < 0,
-                mirror_y: b < 0,
-            }),
-            _ => None,
+        let all = [0, 1, 3, 4].map(|i| element(i).unwrap_or(0.0));
+        let [a, b, c, d] = all;
+        let largest = all.iter().fold(0.0_f64, |most, it| most.max(it.abs()));
+        let zero = |n: f64| n.abs() < NEARLY_ZERO;
+        if (a * d - b * c).abs() < FLAT * largest * largest || all.into_iter().all(zero) {
+            let what = match all.into_iter().all(zero) {
+                true => "is of zeros",
+                false => "leaves no area of a picture",
+            };
+            let odd = format!("its display matrix {what}; pictures are shown as they are stored");
+            return (Self::default(), Some(odd));
         }
+        let transpose = b.abs() + c.abs() > a.abs() + d.abs();
+        let ([x, y], rest) = match transpose {
+            true => ([c, b], [a, d]),
+            false => ([a, d], [b, c]),
+        };
+        let nearest = Self {
+            transpose,
+            mirror_x: x < 0.0,
+            mirror_y: y < 0.0,
+        };
+        let odd = rest.iter().any(|it| !zero(*it)).then(|| {
+            let degrees = b.atan2(a).to_degrees();
+            format!(
+                "its display matrix turns pictures by {degrees:.1}°, or slants them; they are \
+                 shown by the nearest quarter of a turn"
+            )
+        });
+        (nearest, odd)
     }
 
     /// From the number that EXIF has for it, 1 to 8.
@@ -152,7 +169,9 @@ mod tests {
     }
 
     fn turned(cos: i32, sin: i32) -> Vec<u8> {
-        laid(Orientation::from_display_matrix(&matrix(cos, sin)).unwrap())
+        let (orientation, odd) = Orientation::from_display_matrix(&matrix(cos, sin));
+        assert_eq!(odd, None);
+        laid(orientation)
     }
 
     /// A picture of two rows of three samples, laid.
@@ -196,13 +215,44 @@ mod tests {
     }
 
     #[test]
-    fn slanted_short_and_empty_matrices_are_refused() {
-        let slanted: Vec<u8> = [46341i32, 46341, 0, -46341, 46341, 0, 0, 0, 1]
-            .iter()
-            .flat_map(|n| n.to_ne_bytes())
-            .collect();
-        assert_eq!(Orientation::from_display_matrix(&slanted), None);
-        assert_eq!(Orientation::from_display_matrix(&slanted[..15]), None);
-        assert_eq!(Orientation::from_display_matrix(&[0; 36]), None);
+    fn slanted_short_and_empty_matrices_are_the_nearest_that_there_is_and_told() {
+        let turned = |degrees: f64, across: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let one = f64::from(1 << 16);
+            let all = [
+                across * cos,
+                across * sin,
+                0.0,
+                -sin,
+                cos,
+                0.0,
+                0.0,
+                0.0,
+                1.0,
+            ];
+            let all: Vec<u8> = all
+                .iter()
+                .flat_map(|n| ((n * one) as i32).to_ne_bytes())
+                .collect();
+            Orientation::from_display_matrix(&all)
+        };
+        for (degrees, number) in [
+            (15.0, 1),
+            (-44.0, 1),
+            (80.0, 6),
+            (100.0, 6),
+            (170.0, 3),
+            (-100.0, 8),
+        ] {
+            let (nearest, odd) = turned(degrees, 1.0);
+            assert_eq!(Some(nearest), Orientation::from_exif(number), "{degrees}");
+            assert!(odd.unwrap().contains(&format!("{degrees:.1}°")));
+        }
+        let (nearest, odd) = turned(10.0, -1.0);
+        assert!(Some(nearest) == Orientation::from_exif(2) && odd.is_some());
+        for empty in [&[0; 36][..], &[0; 15], &[7; 9]] {
+            let (nearest, odd) = Orientation::from_display_matrix(empty);
+            assert!(nearest.is_upright() && odd.is_some());
+        }
     }
 }

@@ -56,7 +56,7 @@ impl SoundReader {
     /// Opens the sound of a file; `None` where it has none. The error says why it cannot be read.
     pub(crate) fn open(path: &Path, origin_ns: i64) -> Result<Option<Self>, String> {
         start();
-        let input = open_input(&path_for_ffmpeg(path)?)?;
+        let input = open_input(&path_for_ffmpeg(path)?, None)?;
         let Some(stream) = input.streams().best(media::Type::Audio) else {
             return Ok(None);
         };

@@ -18,6 +18,14 @@ const FALLBACK_RATE: [i32; 2] = [25, 1];
 /// A frame rate above this is a clock, not a rate, frames a second.
 const HIGHEST_RATE: f64 = 1000.0;
 
+/// Frames that usually come this much faster than on average have the usual rate; and a rate is the
+/// same as another that its stamps were rounded to, within this.
+const MUCH_FASTER: f64 = 4.0;
+const ROUNDED: f64 = 0.1;
+/// Entries of an index that are looked at, and fewest lengths that tell of a usual one.
+const MOST_ENTRIES: i32 = 100_000;
+const LEAST_ENTRIES: usize = 3;
+
 /// What a file says about its video, and what its first frame shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceInfo {
@@ -144,10 +152,60 @@ pub(crate) fn frame_rate_of(stream: &Stream) -> [i32; 2] {
     let plausible = |rate: &av::Rational| {
         rate.0 > 0 && rate.1 > 0 && f64::from(rate.0) / f64::from(rate.1) <= HIGHEST_RATE
     };
-    [stream.avg_frame_rate(), stream.rate()]
-        .into_iter()
-        .find(plausible)
-        .map_or(FALLBACK_RATE, |rate| [rate.0, rate.1])
+    let told = [stream.avg_frame_rate(), stream.rate()];
+    let told = told.into_iter().find(plausible);
+    let per_second = |rate: av::Rational| f64::from(rate.0) / f64::from(rate.1);
+    let rate = match (told, usual_rate_of(stream).filter(plausible)) {
+        // A few frames that are shown for long say nothing of the others.
+        (Some(told), Some(usual)) if per_second(told) * MUCH_FASTER < per_second(usual) => {
+            let least = stream.rate();
+            let is_close =
+                plausible(&least) && (per_second(least) / per_second(usual) - 1.0).abs() < ROUNDED;
+            Some(if is_close { least } else { usual })
+        }
+        (told, usual) => told.or(usual),
+    };
+    rate.map_or(FALLBACK_RATE, |rate| [rate.0, rate.1])
+}
+
+/// Frames a second by what most frames of a container's index last; none where it holds few.
+#[allow(unsafe_code)] // ffmpeg-next does not tell the index of a stream.
+fn usual_rate_of(stream: &Stream) -> Option<av::Rational> {
+    // SAFETY: the stream is alive and nothing reads on in this call; an entry is null or lies in
+    // its index.
+    let stamps: Vec<i64> = unsafe {
+        let raw = stream.as_ptr().cast_mut();
+        let entries = ffi::avformat_index_get_entries_count(raw).clamp(0, MOST_ENTRIES);
+        let stamp = |at| ffi::avformat_index_get_entry(raw, at).as_ref();
+        (0..entries)
+            .filter_map(stamp)
+            .map(|it| it.timestamp)
+            .collect()
+    };
+    let lengths = stamps
+        .windows(2)
+        .map(|pair| pair[1].saturating_sub(pair[0]));
+    let mut lengths: Vec<i64> = lengths.filter(|ticks| *ticks > 0).collect();
+    if lengths.len() < LEAST_ENTRIES {
+        return None;
+    }
+    let middle = lengths.len() / 2;
+    let ticks = *lengths.select_nth_unstable(middle).1;
+    let tick = stream.time_base();
+    let (mut frames, mut seconds) = (0, 0);
+    // SAFETY: writes the two numbers.
+    unsafe {
+        let per = i64::from(tick.0).saturating_mul(ticks);
+        let most = i64::from(i32::MAX);
+        ffi::av_reduce(
+            &raw mut frames,
+            &raw mut seconds,
+            i64::from(tick.1),
+            per,
+            most,
+        );
+    }
+    Some(av::Rational(frames, seconds))
 }
 
 /// Length of the stream, or else of the file, in seconds.

@@ -128,6 +128,7 @@ pub(crate) fn surround_of(
 /// What its metadata say and what is not done by them.
 fn warn_of_metadata(info: &SourceInfo, remarks: &mut Remarks) {
     remarks.warnings.extend(info.tags.broken.iter().cloned());
+    remarks.notes.extend(info.tags.notes.iter().cloned());
     for BrokenBox { name, at, what, .. } in &info.broken_boxes {
         remarks.warn(format!(
             "its {name} box, at byte {at}, {what}, and is passed over; give --projection or \

@@ -1,6 +1,7 @@
 //! How an input surrounds the eyes: by metadata, name and size.
 
 pub mod camera;
+pub(crate) mod clean_aperture;
 pub mod cube_layout;
 pub mod eye_layout;
 pub(crate) mod found;

@@ -65,6 +65,31 @@ pub fn broken_boxes(file: &mut (impl Read + Seek)) -> Vec<BrokenBox> {
         .unwrap_or_default()
 }
 
+/// What a file says of the part of its pictures that is to be shown.
+pub(crate) struct ApertureNumbers {
+    /// Columns and rows of its pictures.
+    pub(crate) coded: [u32; 2],
+    /// Numerator and denominator of width, height, and the way to the right and down.
+    pub(crate) numbers: [u32; 8],
+    /// Whether it says what shape its pixels have (`pasp`).
+    pub(crate) has_pixel_shape: bool,
+}
+
+/// The `clap` box of the first video track that has one.
+pub(crate) fn aperture_numbers(file: &mut (impl Read + Seek)) -> Option<ApertureNumbers> {
+    let end = file.seek(SeekFrom::End(0)).ok()?;
+    let mut boxes = Boxes {
+        file,
+        left: MOST_BOXES,
+    };
+    let films = boxes.named(0..end, *b"moov");
+    let tracks = films.into_iter().next()?;
+    let tracks = boxes.named(tracks.inside, *b"trak");
+    tracks
+        .into_iter()
+        .find_map(|track| boxes.aperture_of(track))
+}
+
 /// The broken boxes of the file at `path`; none where it cannot be read.
 pub(crate) fn broken_boxes_of(path: &Path) -> Vec<BrokenBox> {
     open_plain(path)
@@ -173,6 +198,24 @@ impl<R: Read + Seek> Boxes<'_, R> {
         let descriptions = self.first(table.inside, *b"stsd")?.inside;
         let entry = self.at(descriptions.start + 8, descriptions.end)?.inside;
         Some(self.all(entry.start + SAMPLE_ENTRY..entry.end))
+    }
+
+    fn aperture_of(&mut self, track: Found) -> Option<ApertureNumbers> {
+        let all = self.description_of(track)?;
+        let clap = all.iter().find(|one| one.name == *b"clap")?;
+        let first = all.first()?;
+        // The size stands before the boxes.
+        let entry = (first.at - 4).checked_sub(SAMPLE_ENTRY)?;
+        let size = self.word(entry + 24)?;
+        let mut numbers = [0; 8];
+        for (k, number) in (0..).zip(&mut numbers) {
+            *number = self.word(clap.inside.start + 4 * k)?;
+        }
+        (clap.bytes() >= 32).then(|| ApertureNumbers {
+            coded: [size >> 16, size & 0xffff],
+            numbers,
+            has_pixel_shape: all.iter().any(|one| one.name == *b"pasp"),
+        })
     }
 
     fn broken_in(&mut self, track: Found) -> Vec<BrokenBox> {

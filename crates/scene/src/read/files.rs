@@ -1,7 +1,7 @@
 //! Where are the files that a scene names, and what is in them?
 
 use crate::beneath::{self, Beneath};
-use crate::plain_bytes::{PlainBytesError, bytes_of, plain_bytes};
+use crate::plain_bytes::{PlainBytesError, bytes_of, most_kept, plain_bytes};
 use foveal_core::pack::sha256_hex;
 use std::collections::HashMap;
 use std::fs::File;
@@ -63,7 +63,7 @@ impl OnDisk {
 
     /// All bytes of the scene file itself.
     pub(super) fn read_scene(&mut self) -> Result<Vec<u8>, ReadError> {
-        let bytes = plain_bytes(&self.file, u64::MAX).map_err(|error| ReadError::Open {
+        let bytes = plain_bytes(&self.file, most_kept()).map_err(|error| ReadError::Open {
             path: self.file.clone(),
             reason: reason(error),
         })?;
@@ -86,7 +86,7 @@ impl OnDisk {
             folder: Some(beneath.inner(inner).map_err(told)?),
             ..Self::of(&beneath.path_of(&relative), self.allow_outside)
         };
-        let bytes = bytes_of(file, u64::MAX).map_err(|error| missing(name, reason(error)))?;
+        let bytes = bytes_of(file, most_kept()).map_err(|error| missing(name, reason(error)))?;
         folder.count(&bytes);
         Ok(NamedFile {
             path: folder.file.clone(),
@@ -99,7 +99,8 @@ impl OnDisk {
     fn read_outside(&self, name: &str) -> Result<NamedFile, Fault> {
         let path = self.path_of(Path::new(name));
         let mut folder = Self::of(&path, true);
-        let bytes = plain_bytes(&path, u64::MAX).map_err(|error| missing(name, reason(error)))?;
+        let bytes =
+            plain_bytes(&path, most_kept()).map_err(|error| missing(name, reason(error)))?;
         folder.count(&bytes);
         Ok(NamedFile {
             path,
@@ -140,7 +141,7 @@ impl Folder for OnDisk {
         if let Some(bytes) = self.read.get(&identity) {
             return Ok(Rc::clone(bytes));
         }
-        let bytes = bytes_of(file, u64::MAX);
+        let bytes = bytes_of(file, most_kept());
         let bytes = Rc::new(bytes.map_err(|error| NotOpened::Because(reason(error)))?);
         self.count(&bytes);
         self.read.insert(identity, Rc::clone(&bytes));
@@ -153,7 +154,9 @@ impl Folder for OnDisk {
         }
         let slashes = name.to_string_lossy().replace('\\', "/");
         let paths = [self.path_of(name), self.path_of(Path::new(&slashes))];
-        let mut there = paths.iter().filter_map(|it| plain_bytes(it, u64::MAX).ok());
+        let mut there = paths
+            .iter()
+            .filter_map(|it| plain_bytes(it, most_kept()).ok());
         let bytes = Rc::new(there.next()?);
         self.count(&bytes);
         Some(bytes)
@@ -298,5 +301,8 @@ fn reason(error: PlainBytesError) -> String {
     match error {
         PlainBytesError::System(error) => error.to_string(),
         PlainBytesError::Other => "it is no regular file".to_owned(),
+        PlainBytesError::Large(there, most) => {
+            format!("it has {there} bytes, more than the {most} of this machine's memory: split it")
+        }
     }
 }

@@ -98,7 +98,7 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
             let what = format!("cannot be read: {error}");
             RigFault::new("", what, "check the path and the permissions").in_file(path)
         }
-        PlainBytesError::Other => {
+        PlainBytesError::Other | PlainBytesError::Large(..) => {
             let what = format!("is no file of at most {most} bytes");
             RigFault::new("", what, NEXT).in_file(path)
         }
@@ -201,7 +201,9 @@ fn beside(rig: &Path, name: &str) -> Result<Vec<u8>, String> {
     })?;
     bytes_of(file, MOST_BESIDE).map_err(|error| match error {
         PlainBytesError::System(error) => format!("cannot be read: {error}"),
-        PlainBytesError::Other => format!("is no file of at most {MOST_BESIDE} bytes"),
+        PlainBytesError::Other | PlainBytesError::Large(..) => {
+            format!("is no file of at most {MOST_BESIDE} bytes")
+        }
     })
 }
 

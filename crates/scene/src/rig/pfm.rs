@@ -13,40 +13,66 @@ const LOST_SCALE: f64 = (1_u128 << 70) as f64;
 const LOST_MIDDLE: f64 = 512.0;
 const LOST_BITS: u32 = 11;
 
-/// A map of three floats a pixel.
+/// Fewest nodes of a map across and down.
+const LEAST_NODES: u32 = 2;
+/// Points nearer than this to the origin are none, in units of the map: nDisplay's.
+pub(super) const NO_POINT: f64 = 1e-5;
+
+/// A map of three floats a pixel, or a node between which pixels lie.
 pub(super) struct FloatMap<'a> {
-    columns: usize,
+    /// Columns and lines of nodes.
+    nodes: [usize; 2],
+    /// Columns and lines of pixels.
+    pixels: [usize; 2],
     is_little: bool,
     floats: &'a [u8],
 }
 
 impl<'a> FloatMap<'a> {
-    /// The map of a panel of `size`; whether it is one, and sound.
+    /// The map of a panel of `size`, a node for each pixel; whether it is one, and sound.
     pub(super) fn of(bytes: &'a [u8], size: [u32; 2]) -> Result<Self, String> {
+        let map = Self::fitted(bytes, size)?;
+        match map.nodes == map.pixels {
+            true => Ok(map),
+            false => {
+                let ([w, h], [columns, lines]) = (map.pixels, map.nodes);
+                Err(format!(
+                    "is {columns} x {lines} pixels, and the panel {w} x {h}"
+                ))
+            }
+        }
+    }
+
+    /// The map of a panel of `size`, of as many nodes as it has, evenly over the panel, each in the
+    /// middle of its share of it; between nodes its floats change evenly.
+    pub(super) fn fitted(bytes: &'a [u8], size: [u32; 2]) -> Result<Self, String> {
         let (words, floats) = header(bytes)?;
         let [kind, width, height, scale] = words;
         if kind != "PF" {
             return Err("is no map of three floats: it does not begin with PF".to_owned());
         }
         let whole = |word: &str| word.parse::<u32>().ok();
-        let found = [whole(width), whole(height)];
-        if found != size.map(Some) {
-            let [w, h] = size;
-            return Err(format!(
-                "is {width} x {height} pixels, and the panel {w} x {h}"
-            ));
+        let (Some(columns), Some(lines)) = (whole(width), whole(height)) else {
+            return Err(format!("is {width} x {height} pixels"));
+        };
+        let nodes = [columns, lines];
+        if nodes != size && nodes.iter().any(|side| *side < LEAST_NODES) {
+            return Err(format!("is {columns} x {lines} pixels, fewer than 2 x 2"));
         }
         let scale: f64 = scale
             .parse()
             .ok()
             .filter(|it| *it != 0.0)
             .ok_or("has no scale")?;
-        let [w, h] = size.map(|side| side as usize);
-        if floats.len() != w * h * 12 {
-            return Err(format!("has {} bytes of {}", floats.len(), w * h * 12));
+        let [w, h] = nodes.map(|side| side as usize);
+        let length = w.checked_mul(h).and_then(|nodes| nodes.checked_mul(12));
+        if length != Some(floats.len()) {
+            let length = length.map_or("too many".to_owned(), |length| length.to_string());
+            return Err(format!("has {} bytes of {length}", floats.len()));
         }
         let map = Self {
-            columns: w,
+            nodes: [w, h],
+            pixels: size.map(|side| side as usize),
             is_little: scale < 0.0,
             floats,
         };
@@ -62,7 +88,7 @@ impl<'a> FloatMap<'a> {
     }
 
     fn float(&self, line: usize, column: usize, k: usize) -> f32 {
-        let bytes = &self.floats[((line * self.columns + column) * 3 + k) * 4..][..4];
+        let bytes = &self.floats[((line * self.nodes[0] + column) * 3 + k) * 4..][..4];
         let four = [bytes[0], bytes[1], bytes[2], bytes[3]];
         match self.is_little {
             true => f32::from_le_bytes(four),
@@ -70,15 +96,57 @@ impl<'a> FloatMap<'a> {
         }
     }
 
-    /// The three floats of a pixel; lines as the file has them.
+    /// Its nodes across and down, where they are not as many as the panel's pixels.
+    pub(super) fn other_size(&self) -> Option<[usize; 2]> {
+        (self.nodes != self.pixels).then_some(self.nodes)
+    }
+
+    /// The three floats of a pixel, a point in space; 0 where a node beside it tells of none. Lines
+    /// as the file has them.
     pub(super) fn triple(&self, line: usize, column: usize) -> [f64; 3] {
-        [0, 1, 2].map(|k| f64::from(self.float(line, column, k)))
+        let of = |at: [usize; 2]| [0, 1, 2].map(|k| f64::from(self.float(at[1], at[0], k)));
+        if self.nodes == self.pixels {
+            return of([column, line]);
+        }
+        let beside = self.beside([column, line]);
+        let is_none = |(at, _): &([usize; 2], f64)| of(*at).iter().all(|it| it.abs() < NO_POINT);
+        match beside.iter().any(is_none) {
+            true => [0.0; 3],
+            false => [0, 1, 2].map(|k| beside.iter().map(|(at, share)| share * of(*at)[k]).sum()),
+        }
     }
 
     /// The first two floats of a pixel, and what they lost; lines as the file has them.
     pub(super) fn pair(&self, line: usize, column: usize) -> [f64; 2] {
+        if self.nodes == self.pixels {
+            return self.whole_pair([column, line]);
+        }
+        let beside = self.beside([column, line]);
+        let beside = beside.map(|(at, share)| self.whole_pair(at).map(|it| it * share));
+        [0, 1].map(|k| beside.iter().map(|pair| pair[k]).sum())
+    }
+
+    fn whole_pair(&self, [column, line]: [usize; 2]) -> [f64; 2] {
         let lost = lost_of(self.float(line, column, 2));
         [0, 1].map(|k| f64::from(self.float(line, column, k)) + lost[k])
+    }
+
+    /// The four nodes round a pixel, and their shares, which are 1 together: beyond the outermost
+    /// nodes the map goes on as straight as between them.
+    fn beside(&self, pixel: [usize; 2]) -> [([usize; 2], f64); 4] {
+        let along = [0, 1].map(|k| {
+            let at = (pixel[k] as f64 + 0.5) * self.nodes[k] as f64 / self.pixels[k] as f64 - 0.5;
+            let first = at.floor().clamp(0.0, (self.nodes[k] - 2) as f64);
+            (first as usize, at - first)
+        });
+        let [(column, x), (line, y)] = along;
+        [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| {
+            let share = |step: usize, to: f64| if step == 1 { to } else { 1.0 - to };
+            (
+                [column + right, line + down],
+                share(right, x) * share(down, y),
+            )
+        })
     }
 }
 

@@ -1,19 +1,54 @@
-//! Does a Matroska file end before it says that it does?
+//! Does a file end before it says that it does?
 //!
-//! FFmpeg reads a cut Matroska or WebM file to where it breaks off and reports a normal end. Other
-//! containers report the cut by themselves.
+//! FFmpeg reads some files to where they break off and reports a normal end. Other containers
+//! report the cut by themselves.
 
-use crate::plain_file::first_bytes;
+use crate::plain_file::{first_bytes, last_bytes};
+use crate::read::film::animation_end::cut_animation;
 use std::path::Path;
 
 /// Identifiers of the two elements that every Matroska file begins with (RFC 8794, RFC 9559).
-const EBML: u64 = 0x1A45_DFA3;
-const SEGMENT: u64 = 0x1853_8067;
+pub(crate) const EBML: u64 = 0x1A45_DFA3;
+pub(crate) const SEGMENT: u64 = 0x1853_8067;
+/// Bytes of a packet of a transport stream, and from one to the next: with a time before each, and
+/// with a checksum behind each, too. The first of them is always the same.
+const PACKET: usize = 188;
+const PACKET_STEPS: [usize; 3] = [188, 192, 204];
+const SYNC: u8 = 0x47;
+/// Bytes that are looked at for packets at the end, and packets that must be there.
+const LAST_BYTES: u64 = 4096;
+const LEAST_PACKETS: usize = 8;
 /// The file's first element is shorter than this, bytes.
 const MOST_HEADER_BYTES: u64 = 4096;
 
+/// Why the file of a format, by FFmpeg's name of it, is not whole; none where nothing says so.
+pub(crate) fn why_cut(path: &Path, bytes: u64, format: &str) -> Option<String> {
+    match format {
+        "apng" | "gif" => cut_animation(path),
+        "mpegts" => ends_within_packet(&last_bytes(path, LAST_BYTES).unwrap_or_default())
+            .then(|| "it ends within a packet".to_owned()),
+        _ => is_cut_matroska(path, bytes).then(|| "it ends too early".to_owned()),
+    }
+}
+
+/// Whether bytes at the end of a transport stream end within a packet; false where no packets are
+/// seen in them.
+fn ends_within_packet(last: &[u8]) -> bool {
+    let begins = |at: usize| last.get(at) == Some(&SYNC);
+    // Of packets that begin a step apart up to the end, the last.
+    let last_of = |step: usize| {
+        let first = (0..step).find(|at| (*at..last.len()).step_by(step).all(begins));
+        first.map(|at| at + (last.len() - 1 - at) / step * step)
+    };
+    let steps = PACKET_STEPS
+        .iter()
+        .filter(|step| last.len() > **step * LEAST_PACKETS);
+    let found = steps.filter_map(|step| last_of(*step)).next();
+    found.is_some_and(|at| last.len() - at < PACKET)
+}
+
 /// Whether the file is Matroska and shorter than its header says; false where it cannot be read.
-pub(crate) fn is_cut_matroska(path: &Path, bytes: u64) -> bool {
+fn is_cut_matroska(path: &Path, bytes: u64) -> bool {
     let head = first_bytes(path, MOST_HEADER_BYTES).unwrap_or_default();
     declared_matroska_bytes(&head).is_some_and(|declared| declared > bytes)
 }
@@ -72,6 +107,26 @@ mod tests {
         streamed[11..13].copy_from_slice(&[0x7F, 0xFF]);
         assert_eq!(declared_matroska_bytes(&streamed), None);
         assert_eq!(declared_matroska_bytes(b"RIFF"), None);
+    }
+
+    #[test]
+    fn a_stream_ends_within_a_packet_or_between_two() {
+        for (step, before) in [(188, 0), (192, 4), (204, 0)] {
+            let packet = |number: u8| {
+                let mut bytes = vec![number; step];
+                bytes[before] = SYNC;
+                bytes
+            };
+            let whole: Vec<u8> = (0..20).flat_map(packet).collect();
+            assert!(!ends_within_packet(&whole), "{step}");
+            for cut in [20, 60, 150, 187] {
+                assert!(
+                    ends_within_packet(&whole[..whole.len() - cut]),
+                    "{step} {cut}"
+                );
+            }
+        }
+        assert!(!ends_within_packet(&[9; 4000]) && !ends_within_packet(&[SYNC; 3]));
     }
 
     proptest! {

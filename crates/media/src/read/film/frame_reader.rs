@@ -11,10 +11,13 @@ use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::film::cut_short::is_cut_matroska;
-use crate::read::film::mending::{Beginning, Mending};
+use crate::read::film::cut_short::why_cut;
+use crate::read::film::damage_log::DamageLog;
+use crate::read::film::holes::Pieces;
+use crate::read::film::mending::{Beginning, Judge, Mending, Place};
 use crate::read::film::opening::{open_input, read_packet};
 use crate::read::source;
+use crate::surround::clean_aperture::{CleanAperture, clean_aperture_of};
 use crate::surround::spherical_boxes::broken_boxes_of;
 
 /// More threads than this only cost memory: each holds a frame.
@@ -27,6 +30,10 @@ const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
 /// What a transport stream tells of a packet whose counter jumps.
 const LOST: &str = "its data are incomplete, or two streams were joined here, which \
                     `ffmpeg -i FILE OUT.mkv` mends";
+
+/// What is told of a container of which a part was passed over, and of a packet with a hole.
+const PASSED_OVER: &str = "a part of it is none of its format";
+const HOLE: &str = "a part of a picture is gone, with zeros in its place";
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
 const MOST_AT_END: u32 = 64;
@@ -56,12 +63,17 @@ pub(crate) struct FrameReader {
     input: Input,
     stream: usize,
     decoder: decoder::Video,
+    /// Told by the decoder and who reads the file, which are gone before them.
+    log: DamageLog,
+    file_log: DamageLog,
+    pieces: Pieces,
+    codec: Id,
     /// Why the packets ended before the file did; told once the good frames are out.
     failure: Option<Break>,
     /// Errors since the decoder was told that there are no more packets, once it was.
     errors_at_end: Option<u32>,
-    /// The container does not report that it is cut, so that this is told at its end.
-    is_cut: bool,
+    /// Why it is cut, where the container does not report that at its end.
+    why_cut: Option<String>,
     path: PathBuf,
     bytes: u64,
     beginning: Beginning,
@@ -69,6 +81,11 @@ pub(crate) struct FrameReader {
     mending: Option<Mending>,
     /// Stamp and duration of the packet that is shown last.
     last_packet: Option<(i64, i64)>,
+    /// The packet that the decoder has taken last.
+    last_place: Option<Place>,
+    /// Where the last packet ends in the file.
+    last_end: Option<u64>,
+    aperture: Option<CleanAperture>,
 }
 
 impl FrameReader {
@@ -80,30 +97,7 @@ impl FrameReader {
         bytes: u64,
         most_left_out: Option<u64>,
     ) -> Result<Self, MediaError> {
-        start();
-        let cannot_open = |reason| MediaError::Open {
-            path: path.to_owned(),
-            reason,
-        };
-        let absolute = path_for_ffmpeg(path).map_err(cannot_open)?;
-        let not_video = |reason| MediaError::NotVideo {
-            path: path.to_owned(),
-            reason,
-        };
-        let input = open_input(&absolute).map_err(|reason| match is_system_full(&reason) {
-            true => cannot_open(reason),
-            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
-        })?;
-        // Lists make FFmpeg read files that nobody named here.
-        if matches!(input.format().name(), "hls" | "concat" | "dash") {
-            return Err(not_video(
-                "it is a list of other files; give one of them".to_owned(),
-            ));
-        }
-        // FFmpeg draws text files as pictures of a terminal; nobody means that.
-        if input.format().name() == "tty" {
-            return Err(not_video("it is a text file".to_owned()));
-        }
+        let (input, file_log) = film_at(path)?;
         let Some(stream) = source::video_stream(&input) else {
             let found = source::stream_kinds(&input);
             return Err(MediaError::NoVideoStream {
@@ -111,11 +105,6 @@ impl FrameReader {
                 found,
             });
         };
-        if stream.parameters().id() == Id::None {
-            return Err(not_video(
-                "it does not say how its pictures are coded".to_owned(),
-            ));
-        }
         // A picture that is damaged is refused: there is no other that shows what is missing.
         let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
         let mends = most_left_out.is_some();
@@ -125,23 +114,39 @@ impl FrameReader {
             found: format!("{:?} ({e})", stream.parameters().id()).to_lowercase(),
             next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
         };
-        let explodes = TOLD_TO_EXPLODE.contains(&stream.parameters().id());
-        let decoder = open_decoder(&stream, explodes && !mends, !mends).map_err(unsupported)?;
-        let judge = (mends && explodes).then(|| open_decoder(&stream, true, false).ok());
+        let codec = stream.parameters().id();
+        let explodes = TOLD_TO_EXPLODE.contains(&codec);
+        let log = DamageLog::of_decoder();
+        let pieces = Pieces::of(codec, &extra_of(&stream));
+        let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
+        let decoder = decoder.map_err(unsupported)?;
+        let judge = match mends && explodes {
+            true => Judge::of(|log| open_decoder(&stream, true, false, log).ok()),
+            false => None,
+        };
         let stream = stream.index();
-        let is_cut = is_cut_matroska(path, bytes);
+        let why_cut = why_cut(path, bytes, input.format().name());
+        let is_mp4 = input.format().name().contains("mp4");
+        let aperture = is_mp4.then(|| clean_aperture_of(path)).flatten();
         Ok(Self {
             input,
             stream,
             decoder,
+            log,
+            file_log,
+            pieces,
+            codec,
             failure: None,
             errors_at_end: None,
-            is_cut,
+            why_cut,
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
-            mending: most_left_out.map(|most| Mending::new(judge.flatten(), most)),
+            mending: most_left_out.map(|most| Mending::new(judge, most, codec == Id::HEVC)),
             last_packet: None,
+            last_place: None,
+            last_end: None,
+            aperture,
         })
     }
 
@@ -178,10 +183,20 @@ impl FrameReader {
         [self.beginning.dropped(), damaged, lost]
     }
 
+    /// Whether something was found that is no damage after all.
+    pub(crate) fn has_forgiven(&self) -> bool {
+        self.mending.as_ref().is_some_and(Mending::has_forgiven)
+    }
+
     /// How long the last picture is shown, in ticks of the stream, as far as the file tells.
     pub(crate) fn last_duration(&self) -> Option<i64> {
         let duration = self.last_packet.map(|(_, duration)| duration);
         duration.filter(|ticks| *ticks > 0)
+    }
+
+    /// The part of its pictures that the container says is to be shown, if it says that.
+    pub(crate) fn aperture(&self) -> Option<&CleanAperture> {
+        self.aperture.as_ref()
     }
 
     /// The next frame in the order of display, None after the last. Frames before a break are
@@ -198,7 +213,9 @@ impl FrameReader {
 
     fn step(&mut self) -> Result<Step, Break> {
         let mut frame = Video::empty();
-        match self.decoder.receive_frame(&mut frame) {
+        let received = self.decoder.receive_frame(&mut frame);
+        self.listen()?;
+        match received {
             Ok(()) => {
                 let is_flagged = frame.is_corrupt() || frame.has_decode_errors();
                 let has_begun = self.beginning.has_begun();
@@ -218,6 +235,9 @@ impl FrameReader {
                     return Ok(Step::Fed);
                 }
                 self.beginning.shown(&frame);
+                if let Some(aperture) = &self.aperture {
+                    aperture.apply(&mut frame);
+                }
                 Ok(Step::Frame(frame))
             }
             Err(av::Error::Eof) => Ok(Step::End),
@@ -234,11 +254,29 @@ impl FrameReader {
         }
     }
 
+    /// Takes note of what the decoder has told since this was called.
+    fn listen(&mut self) -> Result<(), Break> {
+        if !self.log.has_heard() {
+            return Ok(());
+        }
+        match (&mut self.mending, self.last_place) {
+            (None, _) => {
+                let why = "the decoder had to guess parts of the picture";
+                Err(Break::Damaged(why.to_owned()))
+            }
+            (Some(mending), Some(place)) if !self.beginning.is_fresh() => {
+                mending.note(place);
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The decoder refused what it was given.
-    fn refused(&mut self, stamp: Option<i64>, error: &av::Error) -> Result<(), Break> {
+    fn refused(&mut self, place: Option<Place>, error: &av::Error) -> Result<(), Break> {
         match &mut self.mending {
             None => Err(Break::Damaged(error.to_string())),
-            Some(mending) => match mending.refuse(stamp) {
+            Some(mending) => match mending.refuse(place) {
                 true => Ok(()),
                 false => Err(Break::Fails(error.to_string())),
             },
@@ -250,7 +288,14 @@ impl FrameReader {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
             let mut packet = Packet::empty();
-            let failure = match read_packet(&mut packet, &mut self.input) {
+            let read = read_packet(&mut packet, &mut self.input);
+            if self.file_log.has_heard() {
+                match &mut self.mending {
+                    None => return Err(Break::Damaged(PASSED_OVER.to_owned())),
+                    Some(mending) => mending.note(Place::Unknown),
+                }
+            }
+            let failure = match read {
                 Ok(true) if packet.stream() != self.stream => continue,
                 Ok(true) if packet.is_corrupt() && self.mending.is_none() => {
                     Some(Break::Damaged(LOST.to_owned()))
@@ -258,7 +303,10 @@ impl FrameReader {
                 // Some containers hold packets without data, which decoders refuse.
                 Ok(true) if packet.size() == 0 => continue,
                 Ok(true) => return self.send(&packet),
-                Ok(false) if self.is_cut => Some(Break::Ends("it ends too early".to_owned())),
+                Ok(false) if self.why_cut.is_some() => self.why_cut.clone().map(Break::Ends),
+                Ok(false) if self.has_rest() => {
+                    Some(Break::Ends("it ends within a picture".to_owned()))
+                }
                 Ok(false) if self.has_shrunk() => {
                     Some(Break::Fails("it was cut while it was read".to_owned()))
                 }
@@ -280,20 +328,42 @@ impl FrameReader {
 
     fn send(&mut self, packet: &Packet) -> Result<(), Break> {
         let stamp = packet.pts().or(packet.dts());
+        let place = Place::of_packet(packet);
+        self.last_place = Some(place);
+        let end = packet.position() as i64 + packet.size() as i64;
+        self.last_end = u64::try_from(end).ok().filter(|_| packet.position() >= 0);
+        let bytes = packet.data().unwrap_or_default();
+        if self.codec == Id::H264
+            && self.beginning.is_nothing()
+            && self.pieces.leans_on_others(bytes)
+        {
+            self.beginning.opens();
+        }
         if !is_discarded(packet) {
-            self.beginning.fed(stamp).map_err(Break::Fails)?;
+            self.beginning.fed(place).map_err(Break::Fails)?;
         }
         if let Some(stamp) = stamp.filter(|it| self.last_packet.is_none_or(|(last, _)| *it > last))
         {
             self.last_packet = Some((stamp, packet.duration()));
         }
-        if let Some(mending) = &mut self.mending {
-            mending.judge(packet, stamp);
+        let has_hole = self.pieces.has_hole(bytes);
+        let is_open = self.beginning.is_open();
+        match &mut self.mending {
+            None if has_hole => return Err(Break::Damaged(HOLE.to_owned())),
+            None => {}
+            Some(mending) => mending.judge(packet, (place, has_hole), is_open),
         }
         match self.decoder.send_packet(packet) {
-            Ok(()) => Ok(()),
-            Err(error) => self.refused(stamp, &error),
+            Ok(()) => self.listen(),
+            Err(error) => self.refused(Some(place), &error),
         }
+    }
+
+    /// Whether a file of pictures without an index ends with a part of one, which FFmpeg takes for
+    /// its end.
+    fn has_rest(&self) -> bool {
+        self.input.format().name() == "yuv4mpegpipe"
+            && self.last_end.is_some_and(|end| end < self.bytes)
     }
 
     /// Whether the file is shorter than when it was opened.
@@ -307,6 +377,59 @@ enum Step {
     Frame(Video),
     Fed,
     End,
+}
+
+/// Opens a film, and says what is told of it meanwhile and later, which must outlive it.
+fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
+    start();
+    let cannot_open = |reason| MediaError::Open {
+        path: path.to_owned(),
+        reason,
+    };
+    let absolute = path_for_ffmpeg(path).map_err(cannot_open)?;
+    let not_video = |reason| MediaError::NotVideo {
+        path: path.to_owned(),
+        reason,
+    };
+    let log = DamageLog::of_container();
+    let input =
+        open_input(&absolute, Some(&log)).map_err(|reason| match is_system_full(&reason) {
+            true => cannot_open(reason),
+            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
+        })?;
+    // Lists make FFmpeg read files that nobody named here.
+    if matches!(input.format().name(), "hls" | "concat" | "dash") {
+        return Err(not_video(
+            "it is a list of other files; give one of them".to_owned(),
+        ));
+    }
+    // FFmpeg draws text files as pictures of a terminal; nobody means that.
+    if input.format().name() == "tty" {
+        return Err(not_video("it is a text file".to_owned()));
+    }
+    let has_codec = |stream: Stream| stream.parameters().id() != Id::None;
+    if source::video_stream(&input).is_some_and(|stream| !has_codec(stream)) {
+        return Err(not_video(
+            "it does not say how its pictures are coded".to_owned(),
+        ));
+    }
+    Ok((input, log))
+}
+
+/// What the container says of how a stream is coded.
+#[allow(unsafe_code)] // ffmpeg-next has no name for it.
+fn extra_of(stream: &Stream) -> Vec<u8> {
+    // SAFETY: the parameters are alive as long as the stream is; their bytes, where there are any,
+    // are as many as they say.
+    unsafe {
+        let raw = (*stream.as_ptr()).codecpar;
+        match ((*raw).extradata, usize::try_from((*raw).extradata_size)) {
+            (bytes, Ok(length)) if !bytes.is_null() => {
+                std::slice::from_raw_parts(bytes, length).to_vec()
+            }
+            _ => Vec::new(),
+        }
+    }
 }
 
 /// Whether a packet is decoded and not shown, as an edit list asks.
@@ -336,8 +459,10 @@ fn open_decoder(
     stream: &Stream,
     explodes: bool,
     has_threads: bool,
+    log: &DamageLog,
 ) -> Result<decoder::Video, av::Error> {
     let mut context = av::codec::Context::from_parameters(stream.parameters())?;
+    log.listen_to_decoder(&mut context);
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let count = if has_threads {
         cores.min(MOST_THREADS)
@@ -351,7 +476,10 @@ fn open_decoder(
     });
     let mut decoder = context.decoder();
     decoder.set_packet_time_base(stream.time_base());
-    if explodes {
+    if explodes && stream.parameters().id() == Id::HEVC {
+        // Some encoders say what a picture is to come to.
+        decoder.check(decoder::Check::EXPLODE | decoder::Check::CRC);
+    } else if explodes {
         decoder.check(decoder::Check::EXPLODE);
     }
     decoder.video()

@@ -8,6 +8,7 @@ use av::frame::Video;
 use ffmpeg_next as av;
 
 use crate::error::MediaError;
+use crate::read::film::clusters::{Clusters, clusters_of};
 use crate::read::film::deinterlace::{Deinterlace, Deinterlacer};
 use crate::read::film::frame_reader::{Break, FrameReader};
 use crate::read::film::mended::Mended;
@@ -38,6 +39,8 @@ pub(crate) struct Frames {
     deinterlaced: u64,
     interlaced: u64,
     breaks_off: Option<String>,
+    /// The clusters of a Matroska file, once all is read.
+    clusters: Clusters,
     /// Whether damage after the first frame made another reader go on.
     mends_since_damage: bool,
 }
@@ -96,6 +99,7 @@ impl Frames {
             deinterlaced: 0,
             interlaced: 0,
             breaks_off: None,
+            clusters: Clusters::default(),
             mends_since_damage: false,
         })
     }
@@ -119,7 +123,7 @@ impl Frames {
     /// What was mended so far.
     pub(crate) fn mended(&self) -> Mended {
         let [dropped_at_start, damaged, lost] = self.reader.damage();
-        let is_told = dropped_at_start + damaged + lost > 0;
+        let is_told = dropped_at_start + damaged + lost > 0 || self.reader.has_forgiven();
         // Something made the first reader stop.
         let damaged = damaged.max(u64::from(self.mends_since_damage && !is_told));
         Mended {
@@ -129,6 +133,7 @@ impl Frames {
             breaks_off: self.breaks_off.clone(),
             deinterlaced: self.deinterlaced,
             interlaced: self.interlaced,
+            clusters: self.clusters,
             ..Mended::default()
         }
     }
@@ -146,6 +151,9 @@ impl Frames {
                 Some(frame) => self.take(frame)?,
                 None => {
                     self.is_over = true;
+                    if self.reader.input().format().name().contains("matroska") {
+                        self.clusters = clusters_of(self.reader.path());
+                    }
                     self.end_deinterlacer()?;
                 }
             }
@@ -212,12 +220,18 @@ impl Frames {
                     self.breaks_off = Some(reason);
                     return Ok(None);
                 }
+                // What lies behind a picture is none.
+                Err(Break::Damaged(_)) if self.taken > 0 && self.is_image() => return Ok(None),
                 Err(Break::Damaged(reason)) if !self.options.strict && !self.reader.mends() => {
                     self.begin_mending(reason)?;
                 }
                 Err(stop) => return Err(stop),
             }
         }
+    }
+
+    fn is_image(&self) -> bool {
+        source::is_image_format(self.reader.input())
     }
 
     /// Goes on where the reader broke off, with one that mends.

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use foveal_core::units::counted;
 
+use crate::read::film::clusters::Clusters;
+
 /// What was mended of a file so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mended {
@@ -15,6 +17,8 @@ pub struct Mended {
     pub first_damaged: Option<(u64, i64)>,
     /// Damaged packets after the first frame that became no frame.
     pub lost: u64,
+    /// Clusters of a Matroska file, and which of them are damaged by what it says of itself.
+    pub clusters: Clusters,
     /// Why the file ends before it should.
     pub breaks_off: Option<String>,
     /// Time stamps that did not rise and were replaced by the frame rate.
@@ -41,10 +45,12 @@ impl Mended {
             ("frames_dropped_at_start", self.dropped_at_start),
             ("damaged_frames", self.damaged),
             ("lost_packets", self.lost),
+            ("damaged_clusters", self.clusters.damaged),
             ("cut_short", u64::from(self.breaks_off.is_some())),
             ("time_stamps", self.repaired_stamps),
             ("deinterlaced_frames", self.deinterlaced),
             ("resized_frames", self.resized),
+            ("reshaped_frames", self.reshaped),
         ];
         let there = all.into_iter().filter(|(_, count)| *count > 0);
         there
@@ -76,6 +82,14 @@ impl Mended {
             remarks.push(format!(
                 "{} damaged and lost after the first frame; the frame before stays there",
                 are(self.lost, "packet")
+            ));
+        }
+        let Clusters { all, damaged } = self.clusters;
+        if damaged > 0 {
+            remarks.push(format!(
+                "{} damaged, by its checksum or its structure, of {all}: frames are missing \
+                 there, or wrong where the decoder does not notice",
+                are(damaged, "cluster")
             ));
         }
         if let Some(why) = &self.breaks_off {

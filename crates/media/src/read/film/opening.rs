@@ -13,8 +13,22 @@ use av::ffi;
 use av::format::context::Input;
 use ffmpeg_next as av;
 
-/// Most bytes that are read for a packet, or to open a file.
-const MOST_BYTES: i64 = 1 << 30;
+use crate::read::film::damage_log::DamageLog;
+
+/// Most bytes that are read for a packet, or to open a file. FFmpeg keeps them four times over.
+const MOST_BYTES: i64 = 1 << 28;
+/// So many times as many where a container tells how long its packets are, which are kept once.
+const KNOWN_LENGTHS: i64 = 4;
+const TELL_LENGTHS: [&str; 8] = [
+    "mov,mp4",
+    "matroska",
+    "avi",
+    "nut",
+    "mxf",
+    "yuv4mpegpipe",
+    "flv",
+    "ivf",
+];
 /// The same of a picture, which is one packet.
 const MOST_OF_PICTURE: i64 = 1 << 32;
 
@@ -50,7 +64,7 @@ impl Search {
     /// What an error means: that nothing was found, or what it says.
     fn told(&self, error: &av::Error) -> String {
         match SEARCH.get().filter(|it| it.is_over) {
-            Some(state) => format!("{} MiB of it hold nothing to show", state.most >> 20),
+            Some(state) => nothing(state.most),
             None => error.to_string(),
         }
     }
@@ -75,22 +89,34 @@ extern "C" fn is_interrupted(context: *mut c_void) -> c_int {
     // SAFETY: null, or the file of the context, open as long as it is read.
     let read = unsafe { context.pb.as_ref() }.map_or(0, |file| file.bytes_read);
     let found = read - *state.before.get_or_insert(read);
-    state.is_over |= found > state.most && (found > MOST_OF_PICTURE || !is_picture(context));
+    state.is_over |= found > state.most && found > most_of(context, state.most);
     SEARCH.set(Some(state));
     c_int::from(state.is_over)
 }
 
-/// Whether a file is one picture, by its format, once that is known.
+/// Most bytes of a search of a file, by its format, once that is known.
 #[allow(unsafe_code)]
-fn is_picture(context: &ffi::AVFormatContext) -> bool {
+fn most_of(context: &ffi::AVFormatContext, most: i64) -> i64 {
     // SAFETY: null, or a constant of the library, whose name ends in NUL.
     let name = unsafe { context.iformat.as_ref().map(|it| CStr::from_ptr(it.name)) };
-    name.is_some_and(|name| name == c"image2" || name.to_bytes().ends_with(b"_pipe"))
+    let name = name.map_or(&b""[..], CStr::to_bytes);
+    let tells = |it: &&str| name.starts_with(it.as_bytes());
+    match name == b"image2" || name.ends_with(b"_pipe") {
+        true => MOST_OF_PICTURE,
+        false if TELL_LENGTHS.iter().any(tells) => most * KNOWN_LENGTHS,
+        false => most,
+    }
 }
 
-/// Opens a file and finds its streams. The error says why that is not done.
+/// That a search found nothing.
+fn nothing(most: i64) -> String {
+    format!("{} MiB of it hold nothing to show", most >> 20)
+}
+
+/// Opens a file and finds its streams. The log, if there is one, hears what is told of it meanwhile
+/// and later, and must outlive it. The error says why it is not opened.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
-pub(crate) fn open_input(path: &Path) -> Result<Input, String> {
+pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, String> {
     let name = path.to_str().and_then(|it| CString::new(it).ok());
     let name = name.ok_or("its name cannot be told to FFmpeg")?;
     let mut options = av::Dictionary::new();
@@ -106,6 +132,9 @@ pub(crate) fn open_input(path: &Path) -> Result<Input, String> {
         let mut context = ffi::avformat_alloc_context();
         if context.is_null() {
             return Err("there is no memory for it".to_owned());
+        }
+        if let Some(log) = log {
+            log.listen_to_container(&mut *context);
         }
         (*context).interrupt_callback = ffi::AVIOInterruptCB {
             callback: Some(is_interrupted),
@@ -138,6 +167,8 @@ pub(crate) fn read_packet(packet: &mut av::Packet, input: &mut Input) -> Result<
         }
         Ok(()) => Ok(true),
         Err(av::Error::Eof) => Ok(false),
+        // A search before this one came to nothing.
+        Err(av::Error::Exit) => Err(nothing(MOST.get())),
         Err(error) => Err(error.to_string()),
     }
 }

@@ -23,6 +23,7 @@ use crate::read::orientation::Orientation;
 use crate::read::source::{self, SourceInfo, Transparency};
 use crate::read::still::still_tags::StillTags;
 use crate::surround::camera::{Camera, may_be_two_fisheyes, shows_two_fisheyes};
+use crate::surround::clean_aperture::CleanAperture;
 use crate::surround::sphere_part::SpherePart;
 use crate::surround::spherical::{side_data_of, spherical_of, stereo_of};
 use crate::surround::spherical_boxes::{Ffmpeg, broken_boxes_of};
@@ -54,11 +55,11 @@ impl StreamInput {
         let first = frames.first().ok_or_else(|| no_frames("it is empty"))?;
         let reader = frames.reader();
         let stream = reader.stream().ok_or_else(|| no_frames("it is gone"))?;
-        let tags = match source::is_image_format(reader.input()) {
+        let mut tags = match source::is_image_format(reader.input()) {
             true => StillTags::of(path),
             false => StillTags::default(),
         };
-        let orientation = orientation_of(path, &stream)?.unwrap_or(tags.orientation);
+        let orientation = oriented(reader, (&stream, first), &mut tags);
         let is_jpeg = reader.decoder().id() == av::codec::Id::MJPEG;
         let conversion = FrameConversion::new(first, orientation, is_jpeg).map_err(|found| {
             let (path, field) = (path.to_owned(), "the colour matrix");
@@ -219,6 +220,10 @@ fn describe(
     let told = source::frames_told(reader.input(), stream, frame_rate);
     let guessed = || source::frames_of(seconds, frame_rate).or(is_image.then_some(1));
     let aspect = source::pixel_aspect_of(reader.input(), stream, first);
+    let aspect = match reader.aperture() {
+        Some(aperture) => aperture.aspect(aspect),
+        None => aspect,
+    };
     SourceInfo {
         width,
         height,
@@ -284,18 +289,31 @@ fn look_at(info: &mut SourceInfo, first: &Video, conversion: &mut FrameConversio
     }
 }
 
-/// As the container says; `None` where it says nothing.
-fn orientation_of(path: &Path, stream: &Stream) -> Result<Option<Orientation>, MediaError> {
-    let Some(matrix) = side_data_of(stream, Type::DisplayMatrix) else {
-        return Ok(None);
+/// How a film wants its pictures laid, and what is odd about that and what is shown of them, which
+/// is put to what its tags say.
+fn oriented(
+    reader: &FrameReader,
+    (stream, first): (&Stream, &Video),
+    tags: &mut StillTags,
+) -> Orientation {
+    match reader.aperture().map(CleanAperture::remark) {
+        None => {}
+        Some(Ok(note)) => tags.notes.push(note),
+        Some(Err(broken)) => tags.broken.push(broken),
+    }
+    let Some(matrix) = display_matrix_of(stream, first) else {
+        return tags.orientation;
     };
-    let orientation = Orientation::from_display_matrix(&matrix);
+    let (orientation, odd) = Orientation::from_display_matrix(&matrix);
+    tags.broken.extend(odd);
     orientation
-        .map(Some)
-        .ok_or_else(|| MediaError::Unsupported {
-            path: path.to_owned(),
-            field: "the display rotation",
-            found: "not a multiple of 90 degrees".to_owned(),
-            next: "turn the pictures themselves with `ffmpeg -i FILE OUT.mp4`",
-        })
+}
+
+/// As the container says, else the first frame.
+fn display_matrix_of(stream: &Stream, first: &Video) -> Option<Vec<u8>> {
+    let of_frame = || {
+        let data = first.side_data(av::frame::side_data::Type::DisplayMatrix)?;
+        Some(data.data().to_vec())
+    };
+    side_data_of(stream, Type::DisplayMatrix).or_else(of_frame)
 }

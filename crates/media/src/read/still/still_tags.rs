@@ -25,6 +25,8 @@ pub struct StillTags {
     pub photo_sphere: Option<PhotoSphere>,
     /// What is broken and passed over, in words.
     pub broken: Vec<String>,
+    /// What else a person should know of it.
+    pub notes: Vec<String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::super::entries::{
     TangentsEntry,
 };
 use super::super::error::{RigFault, WrongKey};
-use super::super::pfm::ReadBeside;
+use super::super::pfm::{FloatMap, ReadBeside};
 use super::archive::Archive;
 use super::foreign_text::{text_of, without_doctype};
 use super::mpcdi_files::{MpcdiFiles, MpcdiFilling, named};
@@ -208,7 +208,7 @@ impl<'a> MpcdiDocument<'a> {
             let warp = match (space, named(set, "geometryWarpFile")) {
                 (Some(space), _) => space.map,
                 (None, Some(warp)) => {
-                    let read = |bytes: &[u8]| WarpMap::read(bytes, region.size);
+                    let read = |map: &FloatMap<'_>| WarpMap::read(map, region.size);
                     filling.floats((region.element, region.size), warp, &read)?
                 }
                 (None, None) => WarpMap::Even,
@@ -275,7 +275,7 @@ impl<'a> MpcdiDocument<'a> {
             };
         };
         let eye = filling.eye_before(warp)?;
-        let read = |bytes: &[u8]| SpaceMap::read(bytes, region.size, eye);
+        let read = |map: &FloatMap<'_>| SpaceMap::read(map, region.size, eye);
         filling
             .floats((region.element, region.size), warp, &read)
             .map(Some)

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::super::alpha;
 use super::super::error::RigFault;
-use super::super::pfm::ReadBeside;
+use super::super::pfm::{FloatMap, ReadBeside};
 use super::archive::Archive;
 use super::xml::XmlElement;
 
@@ -13,6 +13,9 @@ use super::xml::XmlElement;
 /// quarter of the memory, count a quarter.
 const MOST_MAPPED: u64 = 1 << 26;
 const PICTURES_A_MAP: u64 = 4;
+/// A map of another size than its region has at most so many times its pixels, or so many.
+const MOST_FINER: u64 = 4;
+const SMALL: u64 = 1 << 16;
 /// Bytes of a float map's header.
 const HEADER: u64 = 256;
 /// Bytes of a picture beside two for each of its pixels in four channels.
@@ -27,6 +30,9 @@ const UNITS: [(&str, f64); 7] = [
     ("ft", 0.3048),
     ("yd", 0.9144),
 ];
+
+/// What is said of names that lead out of the folder or archive.
+const LEADS_OUT: [&str; 2] = ["leads out", "names no file in"];
 
 /// A region's element, and its columns and rows.
 pub(super) type SizedRegion<'a> = (XmlElement<'a>, [u32; 2]);
@@ -111,18 +117,43 @@ impl<'a> MpcdiFilling<'a> {
         Ok(bytes)
     }
 
+    /// Says of a map of a region that it is of another size.
+    fn note_size(
+        &mut self,
+        (region, size): SizedRegion<'_>,
+        map: &str,
+        nodes: [u64; 2],
+        how: &str,
+    ) {
+        let ([w, h], [columns, rows]) = (size, nodes);
+        self.notes.push(format!(
+            "region {:?}: its {map} has {columns} x {rows} values for {w} x {h} pixels: {how}",
+            region.attribute("id").unwrap_or_default()
+        ));
+    }
+
     /// What a float map tells.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,
         map: XmlElement<'_>,
-        read: &dyn Fn(&[u8]) -> Result<T, String>,
+        read: &dyn Fn(&FloatMap<'_>) -> Result<T, String>,
     ) -> Result<T, RigFault> {
         self.take((region, size), 1)?;
         let path = map.said("path").unwrap_or_default();
-        let most = u64::from(size[0]) * u64::from(size[1]) * 12 + HEADER;
-        let found = self.read(path, most).and_then(|bytes| read(&bytes));
-        found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))))
+        let most = most_values(size) * 12 + HEADER;
+        let found = self.read(path, most).and_then(|bytes| {
+            let map = FloatMap::fitted(&bytes, size)?;
+            Ok((read(&map)?, map.other_size()))
+        });
+        let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
+        let (found, other_size) = found?;
+        if let Some(nodes) = other_size {
+            let nodes = nodes.map(|side| side as u64);
+            let how = "it is interpolated between them";
+            self.note_size((region, size), "geometryWarpFile", nodes, how);
+        }
+        Ok(found)
     }
 
     /// What a picture of shares of light tells, where there is one.
@@ -141,11 +172,31 @@ impl<'a> MpcdiFilling<'a> {
         if !(0.01..=100.0).contains(&gamma) {
             return Err(map.fault("gammaEmbedded", format!("{gamma} is not 0.01 to 100")));
         }
-        let most = u64::from(size[0]) * u64::from(size[1]) * 8 + PNG_BESIDE;
-        let found = self.read(path, most);
-        let found = found.and_then(|bytes| alpha::read(&bytes, size, gamma));
-        let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
-        found.map(Some)
+        let most = most_values(size);
+        let found = match self.read(path, most * 8 + PNG_BESIDE) {
+            // Nothing outside may be tried, not even in vain.
+            Err(what) if LEADS_OUT.iter().any(|it| what.contains(it)) => {
+                return Err(map.fault("path", format!("{} {what}", shortened(path))));
+            }
+            found => found.and_then(|bytes| alpha::read_any(&bytes, size, (most, gamma))),
+        };
+        match found {
+            Ok((shares, nodes)) => {
+                if nodes != size {
+                    let how = "it is resampled";
+                    self.note_size((region, size), name, nodes.map(u64::from), how);
+                }
+                Ok(Some(shares))
+            }
+            Err(what) => {
+                self.notes.push(format!(
+                    "region {:?}: its {name} is left out: {} {what}",
+                    region.attribute("id").unwrap_or_default(),
+                    shortened(path)
+                ));
+                Ok(None)
+            }
+        }
     }
 
     /// The light of black: what a map of it tells everywhere alike.
@@ -199,6 +250,11 @@ impl<'a> MpcdiFilling<'a> {
         })?;
         Ok(DVec3::from(metres) / length)
     }
+}
+
+/// Most values that a map of a region of `size` may have.
+fn most_values(size: [u32; 2]) -> u64 {
+    (u64::from(size[0]) * u64::from(size[1]) * MOST_FINER).max(SMALL)
 }
 
 /// An element that names a file.

@@ -8,13 +8,11 @@ use foveal_core::view::axes::{Axes, yaw_pitch_from_direction};
 use glam::DVec3;
 
 use super::super::entries::{PoseEntry, PoseOrder, TangentsEntry};
-use super::super::pfm::FloatMap;
+use super::super::pfm::{FloatMap, NO_POINT};
 use super::warp_map::{PairAt, WarpMap};
 
 /// Least cosine of the angle from the middle to a pixel: 85°, all that a flat panel reaches.
 const LEAST_COSINE: f64 = 0.087_155_7;
-/// Points nearer than this to the origin are none, in units of the map: nDisplay's.
-const NO_POINT: f64 = 1e-5;
 
 /// What a map of points makes of a region.
 pub(super) struct SpaceMap {
@@ -29,8 +27,7 @@ pub(super) struct SpaceMap {
 impl SpaceMap {
     /// Reads the map of a region of `size`, for an eye at a place of the map's own units and axes.
     /// Lines come from above, or from below where the picture would else be upside down.
-    pub(super) fn read(bytes: &[u8], size: [u32; 2], eye: DVec3) -> Result<Self, String> {
-        let map = FloatMap::of(bytes, size)?;
+    pub(super) fn read(map: &FloatMap<'_>, size: [u32; 2], eye: DVec3) -> Result<Self, String> {
         let point = |line: usize, column: usize| {
             let point = DVec3::from(map.triple(line, column));
             let is_one = point.abs().max_element() >= NO_POINT;

@@ -32,8 +32,7 @@ pub(super) type PairAt<'a> = &'a dyn Fn(usize, usize) -> [f64; 2];
 impl WarpMap {
     /// Reads the map of a panel: shares of the ideal panel to the right and up. Lines come from
     /// above; from below where the picture would else be upside down.
-    pub(super) fn read(bytes: &[u8], size: [u32; 2]) -> Result<Self, String> {
-        let map = FloatMap::of(bytes, size)?;
+    pub(super) fn read(map: &FloatMap<'_>, size: [u32; 2]) -> Result<Self, String> {
         Self::by_lines(size, &|line, column| map.pair(line, column))
     }
 

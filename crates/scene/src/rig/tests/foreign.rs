@@ -418,11 +418,11 @@ fn what_is_wrong_with_a_map_is_refused_and_no_more_is_unpacked_than_it_may_need(
         (warp(folded), "folds rays over"),
         (warp(|_, _, _| [f64::NAN; 2]), "nothing of the panel is lit"),
         (
-            pfm::written([6, 8], |_, _| [0.0; 2]),
-            "is 6 x 8 pixels, and the panel 8 x 6",
+            pfm::written([1, 8], |_, _| [0.0; 2]),
+            "is 1 x 8 pixels, fewer than 2 x 2",
         ),
         (warp(as_is)[..300].to_vec(), "bytes of 576"),
-        (bomb, "unpacks to more than the 832 bytes"),
+        (bomb, "unpacks to more than the 786688 bytes"),
         (b"P6".to_vec(), "ends within its header"),
     ];
     for (map, what) in cases {

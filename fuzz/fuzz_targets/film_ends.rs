@@ -1,0 +1,15 @@
+//! Do any bytes make the walks through the parts of films and animations panic, or not end?
+
+#![no_main]
+
+use std::io::Cursor;
+
+use foveal_media::read::film::animation_end::why_cut;
+use foveal_media::read::film::clusters::clusters;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|data: &[u8]| {
+    let found = clusters(Cursor::new(data));
+    assert!(found.all <= data.len() as u64);
+    let _ = why_cut(&mut Cursor::new(data));
+});
