@@ -38,6 +38,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+/// How far below its target a score may be and still count as reached, in JOD.
+const TARGET_WITHIN: f64 = 0.2;
 /// A pixel as three 32-bit floats, which is what Kastner 2016 (table 5.4) counts shares of.
 const FLOATS_BYTES: u64 = 12;
 /// Why `expected_jod` is null under a link.
@@ -473,8 +475,7 @@ impl RunSummary {
         let Some((what, jod)) = scored.or(expected) else {
             return;
         };
-        // To the last digit that is shown.
-        if jod < target - 0.005 {
+        if jod < target - TARGET_WITHIN {
             output::say(&format!(
                 "warning: --target {target} is missed: the {what} is {jod:.2} JOD; a higher \
                  --target or --policy viewport shows more"

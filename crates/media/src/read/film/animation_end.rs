@@ -43,7 +43,6 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
     let end = file.seek(SeekFrom::End(0)).ok()?;
     let mut at = file.seek(SeekFrom::Start(PNG.len() as u64)).ok()?;
     let (mut told, mut begun, mut has_data, mut next) = (None, 0_u32, false, 0_u32);
-    let mut is_cut = false;
     let mut gap = false;
     while at < end {
         let mut head = [0; 16];
@@ -51,7 +50,7 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
         file.read_exact(&mut head[..length]).ok()?;
         let word = |k: usize| u32::from_be_bytes([head[k], head[k + 1], head[k + 2], head[k + 3]]);
         let after = at + CHUNK + u64::from(word(0));
-        is_cut = after > end;
+        let is_cut = after > end;
         match &head[4..8] {
             b"IEND" => break,
             b"acTL" => told = Some(word(8)),

@@ -3,7 +3,7 @@
 //! A rule has one free number: the visible loss that no cell may pass (`perceptual`), or the slope
 //! by which acuity falls off (`acuity`). It is the largest at which the picture in view is expected
 //! to keep the score, by the signatures of what is in view. Where a judge saw the content while it
-//! was prepared, the bound of each zone is looked up in what it found.
+//! was prepared, the bounds of the zones are to each other as it found them.
 
 use crate::content::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
@@ -176,9 +176,8 @@ impl TargetSelector {
                 (step, needed)
             }
             None => match (bounds, self.config.bound) {
-                (Some(_), _) => (0, self.within(&losses, 1.0)),
-                (None, Some(bound)) => (0, self.within(&losses, bound)),
-                (None, None) => self.by_bound(&losses),
+                (_, Some(bound)) => (0, self.within(&losses, bound)),
+                (_, None) => self.by_bound(&losses, &scale),
             },
         };
         self.before = Some(Chosen {
@@ -231,14 +230,20 @@ impl TargetSelector {
         AcuityModel::linear(LEAST_JUDGED_SLOPE * times)
     }
 
-    /// Every cell takes the coarsest level whose loss stays within a bound.
-    fn by_bound(&self, losses: &Losses) -> (u32, LevelMap) {
+    /// Every cell takes the coarsest level whose loss stays within a bound; where a judge saw the
+    /// content, within so many times the bound that it found for the cell's zone.
+    fn by_bound(&self, losses: &Losses, scale: &Scale) -> (u32, LevelMap) {
+        let bound = |step| match scale.is_measured(Expectation::ByLoss) {
+            true => times_of(step),
+            false => bound_of(self.target, step),
+        };
         let step = self.largest(2 * BOUNDS, |step| {
-            let mut levels = self.bounded(losses, bound_of(self.target, step), None);
+            let mut levels = self.bounded(losses, bound(step), None);
             let _ = levels.cover(&self.grid);
-            Expectation::ByLoss.jod(losses.pooled(&levels))
+            let expected = scale.expected(Expectation::ByLoss, &losses.of(&levels));
+            expected.for_target()
         });
-        (step, self.within(losses, bound_of(self.target, step)))
+        (step, self.within(losses, bound(step)))
     }
 
     /// Levels within a bound, after what was shown before.
@@ -309,8 +314,12 @@ fn slope_of(target: f64, step: u32) -> AcuityModel {
 }
 
 fn bound_of(target: f64, step: u32) -> f64 {
+    Expectation::ByLoss.told(target) * times_of(step)
+}
+
+fn times_of(step: u32) -> f64 {
     let steps = f64::from(step) - f64::from(BOUNDS);
-    Expectation::ByLoss.told(target) * libm::exp2(steps / BOUND_STEPS)
+    libm::exp2(steps / BOUND_STEPS)
 }
 
 #[cfg(test)]
