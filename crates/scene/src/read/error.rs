@@ -92,7 +92,7 @@ pub enum ReadError {
 const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
 
 /// A [`ReadError`] that does not know its file yet.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Fault {
     Broken {
         place: String,

@@ -8,7 +8,7 @@ use super::mends::Mends;
 use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::{shortened, utf8_of};
-use super::{gltf, las, obj, outliers, ply, sound, stl};
+use super::{gltf, las, obj, outliers, ply, sheets, sound, stl};
 use crate::source::SourceScene;
 
 /// How a scene is written in a file.
@@ -178,8 +178,13 @@ impl SceneFile<'_> {
             // A mesh that stands in several places is finite after the first.
             sound::make_finite(&mut scene.meshes[object.mesh], &object.name, &mut mends);
         }
-        for mesh in &mut scene.meshes {
-            sound::make_sound(mesh, &mut scene.repairs);
+        let sound = |mesh| sound::make_sound(mesh, &mut scene.repairs);
+        let has_sides: Vec<bool> = scene.meshes.iter_mut().map(sound).collect();
+        for number in (0..has_sides.len()).filter(|it| has_sides[*it]) {
+            let mut objects = scene.objects.iter();
+            let shown = objects.find(|it| it.mesh == number);
+            let name = shown.map_or_else(String::new, |it| it.name.clone());
+            sheets::join_sides(&mut scene, number, &name);
         }
         mends.tell(self.name, &mut scene);
         scene.leave_out_empty();
