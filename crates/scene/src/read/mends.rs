@@ -49,6 +49,11 @@ pub(super) const COLOUR_MADE: Mend = Mend {
     name: "colours_made",
     what: "colours that are no numbers are shown white",
 };
+/// Of red, green and blue not all are there.
+pub(super) const COLOUR_INCOMPLETE: Mend = Mend {
+    name: "colours_incomplete",
+    what: "colours of which red, green or blue is missing are left out",
+};
 /// The file ends before all rows that it announces.
 pub(super) const ROW_MISSING: Mend = Mend {
     name: "rows_missing",

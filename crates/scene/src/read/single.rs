@@ -9,7 +9,7 @@ use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::{shortened, utf8_of};
 use super::{gltf, las, obj, outliers, ply, sheets, sound, stl};
-use crate::source::SourceScene;
+use crate::source::{SourceMesh, SourceScene};
 
 /// How a scene is written in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -192,6 +192,11 @@ impl SceneFile<'_> {
         place::turn_up(&mut scene, self.up);
         place::check_count(&scene)?;
         place::check(&scene)?;
+        if scene.clouds.is_empty() && scene.meshes.iter().all(is_flat) {
+            let triangles = scene.meshes.iter().map(|it| it.triangles.len()).sum();
+            sound::count(&mut scene.repairs, "zero_area_triangles", triangles);
+            scene.objects.clear();
+        }
         if scene.objects.is_empty() && scene.clouds.is_empty() {
             return Err(Fault::Empty {
                 found: found_instead(&scene),
@@ -200,6 +205,19 @@ impl SceneFile<'_> {
         Ok(scene)
     }
 }
+
+/// Whether no triangle of a mesh has any area: their corners lie in lines.
+fn is_flat(mesh: &SourceMesh) -> bool {
+    mesh.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|it| mesh.positions[it as usize]);
+        let [one, other] = [b - a, c - a];
+        let longest = one.length_squared().max(other.length_squared());
+        one.cross(other).length() <= NO_AREA * longest
+    })
+}
+
+/// So much of the square of its longest side is no area of a triangle.
+const NO_AREA: f64 = 1e-12;
 
 /// Most remarks in the message that refuses a scene.
 const MOST_TOLD: usize = 3;

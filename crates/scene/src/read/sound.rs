@@ -8,10 +8,11 @@ use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
 /// Names in `repairs` of what is counted because it may be a mistake, and looks as it did.
-pub const KEPT: [&str; 6] = [
+pub const KEPT: [&str; 7] = [
     "duplicate_vertices",
     "mixed_winding_edges",
     "non_manifold_edges",
+    "permissive_groups",
     "two_sided_faces",
     "unused_vertices",
     "zero_area_triangles",

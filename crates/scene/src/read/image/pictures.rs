@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::super::sound::count;
 use super::super::text::shortened;
-use super::{is_animated, measured};
+use super::{damage, is_animated, measured};
 use crate::source::{MaterialTexture, SourceScene};
 
 /// Texels of all pictures together, each as often as it is shown in another way, whatever their
@@ -58,10 +58,19 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
         .filter_map(|it| it.texture)
         .map(|it| it.image)
         .collect();
+    let mut damaged = Vec::new();
     for (number, image) in scene.images.iter().enumerate() {
-        if shown.contains(&number) && is_animated(&image.bytes) {
+        if !shown.contains(&number) {
+            continue;
+        }
+        if is_animated(&image.bytes) {
             moving.push(shortened(&image.name));
         }
+        damaged.extend(damage(&image.bytes).map(|what| (shortened(&image.name), what)));
+    }
+    count(&mut scene.repairs, "damaged_images", damaged.len());
+    for (name, what) in damaged.iter().take(MOST_NAMED) {
+        scene.remark(format!("the picture {name:?} {what}"));
     }
     count(&mut scene.repairs, "animated_images", moving.len());
     for name in moving.iter().take(MOST_NAMED) {
