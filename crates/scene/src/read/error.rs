@@ -148,6 +148,14 @@ impl Fault {
         }
     }
 
+    /// The same, with the name of a file that is missing.
+    pub(super) fn told(self) -> String {
+        match self {
+            Self::Missing { name, reason } => format!("{name:?}: {reason}"),
+            other => other.what(),
+        }
+    }
+
     pub(super) fn in_file(self, path: &Path) -> ReadError {
         let path = path.to_owned();
         match self {

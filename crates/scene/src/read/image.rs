@@ -176,7 +176,7 @@ fn damage_of_png(chunks: &[u8]) -> Option<&'static str> {
         }
         rest = behind;
     }
-    Some("ends early: the rows that it has are shown")
+    Some("lacks its end, or a part of it")
 }
 
 /// How a picture is coded.

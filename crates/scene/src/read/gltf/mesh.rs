@@ -122,7 +122,7 @@ impl MeshReader<'_> {
                     let there = mesh.positions.len();
                     met.retain(|_, it| it.first + it.count <= there);
                     self.points.cut(points);
-                    let what = fault.clone().what();
+                    let what = fault.clone().told();
                     self.mends
                         .add(PART_LEFT, 1, || format!("is {place} ({what})"));
                     self.first_fault.get_or_insert(fault);
@@ -382,7 +382,7 @@ impl MeshReader<'_> {
                 Some(list)
             }
             Err(fault) => {
-                let what = fault.what();
+                let what = fault.told();
                 self.mends
                     .add(ATTRIBUTE_LEFT, 1, || format!("in {place} ({what})"));
                 None

@@ -37,7 +37,7 @@ impl TextureReader<'_> {
         let named = material.texture()?;
         let document = self.accessors.document;
         let texture = document.textures.get(named.index as usize);
-        let image = self.image(texture.and_then(GltfTexture::image), scene)?;
+        let image = self.image(named.index, texture.and_then(GltfTexture::image), scene)?;
         let sampler = texture.and_then(|it| it.sampler);
         let is_lost = sampler.is_some_and(|it| it as usize >= document.samplers.len());
         let place = || format!("is sampler {}", sampler.unwrap_or(0));
@@ -63,7 +63,12 @@ impl TextureReader<'_> {
         })
     }
 
-    fn image(&mut self, number: Option<u32>, scene: &mut SourceScene) -> Option<usize> {
+    fn image(
+        &mut self,
+        texture: u32,
+        number: Option<u32>,
+        scene: &mut SourceScene,
+    ) -> Option<usize> {
         if let Some(known) = number.and_then(|it| self.images.get(&it)) {
             return *known;
         }
@@ -76,7 +81,10 @@ impl TextureReader<'_> {
         };
         let names = said.map(|it| [&it.name, &it.uri]).into_iter().flatten();
         let mut names = names.flatten().filter(|it| !is_inline(it));
-        let name = names.next().cloned().unwrap_or_default();
+        let name = names.next().cloned().unwrap_or_else(|| match number {
+            Some(number) => format!("image {number}"),
+            None => format!("texture {texture}"),
+        });
         let image = match read {
             Ok(bytes) => {
                 let bytes = bytes.into();
