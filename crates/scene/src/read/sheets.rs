@@ -277,12 +277,11 @@ mod tests {
 
     #[test]
     fn the_back_of_a_sheet_goes_however_its_faces_are_cut() {
-        let cuts: [fn([u32; 4]) -> [[u32; 3]; 2]; 2] = [
-            |[a, b, c, d]| [[c, b, a], [d, c, a]],
-            |[a, b, c, d]| [[d, c, b], [d, b, a]],
-        ];
-        for cut in cuts {
-            let mut scene = strip(cut);
+        for is_cut_alike in [true, false] {
+            let mut scene = strip(|[a, b, c, d]| match is_cut_alike {
+                true => [[c, b, a], [d, c, a]],
+                false => [[d, c, b], [d, b, a]],
+            });
             join_sides(&mut scene, 0, "strip");
             assert_eq!(scene.meshes[0].triangles.len(), 8);
             assert_eq!(scene.repairs["two_sided_faces"], 8);
