@@ -422,7 +422,23 @@ mod tests {
         let fault = measured(&wide).unwrap_err();
         assert!(fault.to_string().contains("100000 x 1 texels"), "{fault}");
         assert_eq!(size_of(b"\xff\xd8\xff\xc0 no picture"), None);
-        assert_eq!(decode(&good[..good.len() - 20]), None);
+        assert_eq!(decode(&good[..good.len() - 30]), None);
+    }
+
+    #[test]
+    fn a_png_whose_rows_all_come_is_shown_whatever_follows_and_that_is_told() {
+        let good = png_of([1, 1], ColorType::Rgb, &[1, 2, 3]);
+        assert_eq!(damage(&good), None);
+        for end in [4, 12, 16] {
+            let cut = &good[..good.len() - end];
+            assert_eq!(decode(cut).unwrap(), [[1, 2, 3, 255]], "{end}");
+            assert!(damage(cut).is_some_and(|it| it.contains("lacks its end")));
+        }
+        let mut wrong = good;
+        let at = wrong.len() - 13;
+        wrong[at] ^= 1;
+        assert_eq!(decode(&wrong).unwrap(), [[1, 2, 3, 255]]);
+        assert!(damage(&wrong).is_some_and(|it| it.contains("sums")));
     }
 
     /// The checksum of a chunk (ISO 3309).

@@ -120,8 +120,8 @@ fn duplicate_vertices(mesh: &SourceMesh) -> usize {
 }
 
 /// Counts edges of more than two triangles, and edges that two triangles walk the same way, so
-/// that one of them shows its back. Such triangles stay as they are. Returns whether there are edges
-/// of more than two.
+/// that one of them shows its back. Such triangles stay as they are. Returns whether there are
+/// edges of more than two.
 fn count_edges(mesh: &SourceMesh, repairs: &mut Repairs) -> bool {
     let place = places(&mesh.positions);
     // How often an edge is walked up and down, by the numbers of its places.

@@ -3,6 +3,7 @@
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
 mod assemblies;
+mod broken;
 mod cameras;
 mod colours;
 mod film_file;

@@ -187,8 +187,8 @@ impl Packed<'_> {
         Ok(())
     }
 
-    /// Unpacks the points of a chunk of unknown number that surely are there: those that come before
-    /// its last few bytes, since a coder goes on with any. Returns how many these are.
+    /// Unpacks the points of a chunk of unknown number that surely are there: those that come
+    /// before its last few bytes, since a coder goes on with any. Returns how many these are.
     fn surely(&self, chunk: &Chunk<'_>, records: &mut Records) -> u64 {
         let mut said = self.said.to_vec();
         // One chunk to the end.
