@@ -246,7 +246,7 @@ fn colours_of_stl_and_packed_colours_of_ply_are_shown() {
 #[test]
 fn materials_that_say_colours_in_other_ways_are_shown_so_and_told() {
     let folder = Folder::new();
-    folder.holding("t.png", &png_of([8, 8], |_| [0, 255, 0]));
+    folder.holding("t.png", &png_of([0, 255, 0], 8));
     let square = "mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\n\
         vt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
     for (said, name, expected) in [
@@ -268,7 +268,7 @@ fn materials_that_say_colours_in_other_ways_are_shown_so_and_told() {
         assert_eq!(colours(&folder), expected, "{said}");
     }
     folder.holding("a.mtl", b"newmtl a\nmap_Kd t.png\n");
-    let whole = png_of([8, 8], |_| [0, 255, 0]);
+    let whole = png_of([0, 255, 0], 8);
     let mut wrong = whole.clone();
     wrong[29] ^= 1;
     for (what, bytes) in [("end", &whole[..whole.len() - 12]), ("sums", &wrong)] {
