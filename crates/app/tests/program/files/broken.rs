@@ -1,8 +1,8 @@
 //! Does what is broken in a file cost that alone, and is nothing shown wrong without a word?
 
-use super::meshes::{glb, le_bytes, picture, prepared, shown};
+use super::meshes::{le_bytes, picture, prepared, shown};
 use super::row::png_of;
-use crate::support::{Folder, done, json as told_by, refused};
+use crate::support::{Folder, done, frame_picture, glb, json as told_by, refused};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -162,7 +162,7 @@ fn a_sheet_whose_faces_are_there_again_reversed_is_one_surface_with_two_sides() 
             ]
             .concat(),
         );
-        let coarse = shown(&crate::support::frame_picture(&out, 0));
+        let coarse = shown(&frame_picture(&out, 0));
         assert!(coarse * 10 >= full * 9, "{coarse} of {full}");
     }
 }
