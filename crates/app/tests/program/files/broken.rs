@@ -62,7 +62,7 @@ fn what_is_broken_in_gltf_costs_its_part_and_is_told() {
             j["accessors"][1]["count"] = json!(3);
         }),
         ("accessors_cut", 2, |j| {
-            j["accessors"][0]["count"] = json!(99)
+            j["accessors"][0]["count"] = json!(99);
         }),
         ("views_cut", 2, |j| {
             j["bufferViews"][3]["byteLength"] = json!(9999);
