@@ -183,7 +183,7 @@ fn packed_points_that_are_there_come_whatever_is_counted() {
     let said = refusal(&with_word(chunked(), 107, 0));
     assert!(said.contains("the file has no points"), "{said}");
     let all = read(&chunked(), "a").unwrap().clouds.remove(0).places;
-    for count in [701, 60_000, 700_000, u32::MAX] {
+    for count in [60_000, 700_000, u32::MAX] {
         // Those of the last few bytes of a chunk of unknown number are not known from others.
         let scene = read(&with_word(chunked(), 107, count), "a").unwrap();
         let found = &scene.clouds[0].places;

@@ -124,8 +124,11 @@ fn numbers_of_what_is_not_there_cost_what_needs_it() {
             assert_eq!(scene.repairs["parts_left_out"], 1, "{what}");
         }
     }
-    let nothing = refused(|j| j["nodes"][0]["mesh"] = json!(7));
-    assert!(nothing.contains("mesh 7, named by node 0"), "{nothing}");
+    let mut made = Made::square();
+    made.json["nodes"][0]["mesh"] = json!(7);
+    let nothing = scene(&made);
+    assert!(nothing.objects.is_empty());
+    assert!(nothing.remarks[0].contains("mesh 7, named by node 0"));
 }
 
 #[test]
