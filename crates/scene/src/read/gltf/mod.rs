@@ -50,21 +50,7 @@ pub(super) fn read(
     let mut scene = SourceScene::default();
     told.tell(accessors.buffers.short, &mut scene);
     let mut materials = materials(&accessors, name, folder, &mut scene);
-    let mut meshes = MeshReader {
-        accessors: &accessors,
-        opaque: opaque(&document),
-        uv_sets: document.materials.iter().map(uv_set).collect(),
-        without_material: materials.len() as u32,
-        repairs: Repairs::new(),
-        remarks: Vec::new(),
-        mends: Mends::default(),
-        filler: Filler::default(),
-        factors: materials.iter().map(|it| it.colour).collect(),
-        points: MeshPoints::default(),
-        spent: 0,
-        is_spent: false,
-        first_fault: None,
-    };
+    let mut meshes = mesh_reader(&accessors, &materials);
     let mut object_of: HashMap<u32, usize> = HashMap::new();
     let mut clouds_of: HashMap<u32, Range<usize>> = HashMap::new();
     for shown in nodes::shown(&accessors, &mut mends)? {
@@ -113,6 +99,26 @@ pub(super) fn read(
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
+}
+
+/// What reads meshes whose parts have these materials, and has read none.
+fn mesh_reader<'a>(accessors: &'a Accessors<'a>, materials: &[Material]) -> MeshReader<'a> {
+    let document = accessors.document;
+    MeshReader {
+        accessors,
+        opaque: opaque(document),
+        uv_sets: document.materials.iter().map(uv_set).collect(),
+        without_material: materials.len() as u32,
+        repairs: Repairs::new(),
+        remarks: Vec::new(),
+        mends: Mends::default(),
+        filler: Filler::default(),
+        factors: materials.iter().map(|it| it.colour).collect(),
+        points: MeshPoints::default(),
+        spent: 0,
+        is_spent: false,
+        first_fault: None,
+    }
 }
 
 /// A document and its buffers, unpacked.

@@ -58,20 +58,12 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
         .filter_map(|it| it.texture)
         .map(|it| it.image)
         .collect();
-    let mut damaged = Vec::new();
     for (number, image) in scene.images.iter().enumerate() {
-        if !shown.contains(&number) {
-            continue;
-        }
-        if is_animated(&image.bytes) {
+        if shown.contains(&number) && is_animated(&image.bytes) {
             moving.push(shortened(&image.name));
         }
-        damaged.extend(damage(&image.bytes).map(|what| (shortened(&image.name), what)));
     }
-    count(&mut scene.repairs, "damaged_images", damaged.len());
-    for (name, what) in damaged.iter().take(MOST_NAMED) {
-        scene.remark(format!("the picture {name:?} {what}"));
-    }
+    tell_damage(scene, &shown);
     count(&mut scene.repairs, "animated_images", moving.len());
     for name in moving.iter().take(MOST_NAMED) {
         scene.remark(format!(
@@ -85,6 +77,20 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
             "picture {image}, {name:?}, {what}; it is left out, and surfaces have their colour \
              alone"
         ));
+    }
+}
+
+/// Counts pictures that are shown although they are damaged, and says which.
+fn tell_damage(scene: &mut SourceScene, shown: &HashSet<usize>) {
+    let images = scene.images.iter().enumerate();
+    let shown = images.filter(|(number, _)| shown.contains(number));
+    let damaged = shown.filter_map(|(_, image)| Some((image, damage(&image.bytes)?)));
+    let damaged: Vec<_> = damaged
+        .map(|(image, what)| (shortened(&image.name), what))
+        .collect();
+    count(&mut scene.repairs, "damaged_images", damaged.len());
+    for (name, what) in damaged.iter().take(MOST_NAMED) {
+        scene.remark(format!("the picture {name:?} {what}"));
     }
 }
 
