@@ -19,12 +19,15 @@ fn squares() -> (Value, Vec<u8>) {
     let indices = [0_u16, 1, 2, 0, 2, 3];
     binary.extend(indices.iter().flat_map(|it| it.to_le_bytes()));
     let part = json!({"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3});
+    // Meshes that say the same would be one.
+    let mut other = part.clone();
+    other["mode"] = json!(4);
     let document = json!({
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0, 1]}],
         "nodes": [{"mesh": 0}, {"mesh": 1, "translation": [1.5, 0, 0]}],
-        "meshes": [{"primitives": [part]}, {"name": "other", "primitives": [part]}],
+        "meshes": [{"primitives": [part]}, {"primitives": [other]}],
         "materials": [{}],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
