@@ -90,7 +90,8 @@ fn what_is_broken_in_gltf_costs_its_part_and_is_told() {
         let input = folder.holding("a.glb", &glb(&document, &binary));
         let arguments = ["prepare", "scene", &input, "--dry-run"];
         let told = told_by(&arguments);
-        assert_eq!(told["repairs"][name], 1, "{name}: {told}");
+        let times = told["repairs"][name].as_u64();
+        assert!(times.is_some_and(|it| it > 0), "{name}: {told}");
         let placed = if name == "nodes_with_several_parents" {
             1
         } else {

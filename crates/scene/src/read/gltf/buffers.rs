@@ -128,6 +128,12 @@ impl<'a> Buffers<'a> {
         })
     }
 
+    /// Why the first buffer that is not there cannot be read.
+    pub(super) fn first_fault(&self) -> Option<Fault> {
+        let mut lost = self.buffers.iter().filter_map(|it| it.as_ref().err());
+        lost.find_map(Clone::clone)
+    }
+
     /// Bytes that may still be unpacked.
     pub(super) fn left(&self) -> u64 {
         let most = (self.total as u64).saturating_mul(MOST_UNPACKED);
