@@ -90,11 +90,12 @@ pub(super) fn read(
     scene.repairs.extend(meshes.repairs);
     meshes.remarks.into_iter().for_each(|it| scene.remark(it));
     let is_empty = scene.meshes.iter().all(|it| it.triangles.is_empty());
-    if is_empty && scene.clouds.is_empty() {
-        let fault = meshes.first_fault.take();
-        if let Some(fault) = fault.or_else(|| accessors.buffers.first_fault()) {
-            return Err(fault);
-        }
+    let fault = meshes
+        .first_fault
+        .take()
+        .or_else(|| accessors.buffers.first_fault());
+    if let (true, true, Some(fault)) = (is_empty, scene.clouds.is_empty(), fault) {
+        return Err(fault);
     }
     mends.tell(name, &mut scene);
     meshes.mends.tell(name, &mut scene);
