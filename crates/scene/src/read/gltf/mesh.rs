@@ -103,6 +103,12 @@ struct Vertices {
 }
 
 impl MeshReader<'_> {
+    /// Why the first part, or else the first buffer, that is not there cannot be read.
+    pub(super) fn fault(&mut self) -> Option<Fault> {
+        let of_part = self.first_fault.take();
+        of_part.or_else(|| self.accessors.buffers.first_fault())
+    }
+
     /// Reads mesh `number`, which exists; it may have no triangle. Parts that cannot be read are
     /// left out; refused is what tells of far more than the file has.
     pub(super) fn read(&mut self, number: u32) -> Result<SourceMesh, Fault> {

@@ -87,13 +87,10 @@ pub(super) fn read(
     let mut used = scene.meshes.iter().flat_map(|mesh| &mesh.materials);
     let is_used = used.any(|it| *it == meshes.without_material);
     materials.extend(is_used.then(Material::default));
+    let fault = meshes.fault();
     scene.repairs.extend(meshes.repairs);
     meshes.remarks.into_iter().for_each(|it| scene.remark(it));
     let is_empty = scene.meshes.iter().all(|it| it.triangles.is_empty());
-    let fault = meshes
-        .first_fault
-        .take()
-        .or_else(|| accessors.buffers.first_fault());
     if let (true, true, Some(fault)) = (is_empty, scene.clouds.is_empty(), fault) {
         return Err(fault);
     }
