@@ -27,7 +27,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "JSON that breaks its rules: `81.0` for a count, line breaks in texts, `null`, \
-                    -1 for nothing, commas too many, comments, `NaN`",
+                    -1 for nothing, commas too many, comments, `NaN`, numbers in quotes",
             outcome: Mended,
             told: "`repairs.json_mended`, with a remark",
         },
@@ -73,7 +73,53 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "an object with a grid of its own, `repairs.outlier_triangles`, with a remark",
         },
         Finding {
-            found: "a buffer that is missing; extensions that must be understood and may change \
+            found: "a part, accessor, view or buffer that is missing or cannot be read",
+            outcome: Mended,
+            told: "the other parts are shown, `repairs.parts_left_out`; without normals, colours \
+                   or texture coordinates, `repairs.attributes_left_out`",
+        },
+        Finding {
+            found: "accessors and views that reach beyond their bytes; lists of another length \
+                    than that of the vertices",
+            outcome: Mended,
+            told: "what exists is used: `repairs.accessors_cut`, `views_cut`, \
+                   `attributes_of_another_length`",
+        },
+        Finding {
+            found: "a scene, node, mesh, material or sampler that does not exist",
+            outcome: Mended,
+            told: "scene 0, else left out, white or repeated: `repairs.scenes_not_found`, \
+                   `nodes_not_found`, `materials_not_found`, `samplers_not_found`",
+        },
+        Finding {
+            found: "nodes in a circle, or with several parents",
+            outcome: Mended,
+            told: "shown once, `repairs.nodes_in_themselves`; below each, \
+                   `nodes_with_several_parents`",
+        },
+        Finding {
+            found: "a rotation, matrix, skin or list of instances without meaning",
+            outcome: Mended,
+            told: "left out, `repairs.places_mended`",
+        },
+        Finding {
+            found: "a `.glb` of another length than it says",
+            outcome: Mended,
+            told: "what exists is read, `repairs.lengths_mended`",
+        },
+        Finding {
+            found: "a black surface that gives off light",
+            outcome: Mended,
+            told: "shown in the colour of that light, `repairs.lights_shown_as_colours`",
+        },
+        Finding {
+            found: "faces that are there again, reversed",
+            outcome: Remarked,
+            told: "one surface with two sides; with another look, each from its own side: \
+                   `repairs.two_sided_faces`",
+        },
+        Finding {
+            found: "no part that can be read; extensions that must be understood and may change \
                     shapes",
             outcome: Refused,
             told: "nobody can know what is right",

@@ -93,6 +93,23 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "an object with a grid of its own, `outlier_triangles`, with a remark",
             },
             Finding {
+                found: "`Kd 128 64 200`; a `Kd` beyond 1",
+                outcome: Mended,
+                told: "255 is taken for all light, `colours_rescaled`; cut, `colours_cut`",
+            },
+            Finding {
+                found: "`map_Ka` without `map_Kd`; `Kd 0 0 0` with `Ke`",
+                outcome: Mended,
+                told: "that picture, `pictures_of_other_kinds`; the light, \
+                       `lights_shown_as_colours`",
+            },
+            Finding {
+                found: "faces that are there again, reversed, in any format",
+                outcome: Remarked,
+                told: "one surface with two sides; with another look, each from its own side: \
+                       `two_sided_faces`",
+            },
+            Finding {
                 found: "`mtllib` and `map_Kd` with the folders of another machine",
                 outcome: Mended,
                 told: "the file of that name beside the model, as of [textures](#textures); \
@@ -104,7 +121,7 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "left out, `lines_left_out`",
             },
             Finding {
-                found: "lines alone",
+                found: "lines alone, or triangles without any area",
                 outcome: Refused,
                 told: "there is nothing to show",
             },
@@ -177,6 +194,11 @@ const PLY: &[Finding] = &[
         told: "the rest is left out, `rows_too_long`; what is missing is NaN",
     },
     Finding {
+        found: "text with another number of vertices than announced before its faces",
+        outcome: Mended,
+        told: "read by its lines, `rows_missing`, `rows_beyond_count`",
+    },
+    Finding {
         found: "rows beyond those announced",
         outcome: Mended,
         told: "left out, `rows_left_out`",
@@ -189,6 +211,17 @@ const PLY: &[Finding] = &[
 ];
 
 const STL: &[Finding] = &[
+    Finding {
+        found: "colours of VisCAM and Magics in the last two bytes of triangles, `COLOR=` in the \
+                head",
+        outcome: Read,
+        told: "drawn",
+    },
+    Finding {
+        found: "such bytes that are no colours",
+        outcome: Remarked,
+        told: "not drawn",
+    },
     Finding {
         found: "loops of more than three corners",
         outcome: Read,

@@ -67,8 +67,9 @@ pub(super) const FORMATS: &[Format] = &[
             },
             Finding {
                 found: "LAZ whose last chunk has an unknown number of points",
-                outcome: Refused,
-                told: "some would be made up",
+                outcome: Mended,
+                told: "without those of its last 16 bytes, which could be made up: \
+                       `repairs.missing_points`",
             },
         ],
     },
@@ -81,6 +82,21 @@ pub(super) const FORMATS: &[Format] = &[
                         from 0 to 1 as `uchar`, of 10 or 12 bits",
                 outcome: Mended,
                 told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+            },
+            Finding {
+                found: "`rgb` or `rgba` packed into one `float` or `uint`, as PCL writes them",
+                outcome: Read,
+                told: "as colours",
+            },
+            Finding {
+                found: "intensities without colours",
+                outcome: Remarked,
+                told: "grey, from the least (0 where none is below) to the most",
+            },
+            Finding {
+                found: "red, green and blue of which one is missing",
+                outcome: Mended,
+                told: "left out, `repairs.colours_incomplete`",
             },
             Finding {
                 found: "splats (`f_dc_0` ..)",

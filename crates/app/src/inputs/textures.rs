@@ -14,8 +14,13 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "an alpha that is 0 everywhere (TGA, BMP)",
-            outcome: Read,
-            told: "opaque, as other programs show it",
+            outcome: Mended,
+            told: "opaque, as other programs show it; of TGA `repairs.damaged_images`",
+        },
+        Finding {
+            found: "a PNG without its end, or whose sums are wrong",
+            outcome: Mended,
+            told: "shown if all rows come, `repairs.damaged_images`",
         },
         Finding {
             found: "a WebP that moves",

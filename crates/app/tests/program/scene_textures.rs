@@ -1,6 +1,6 @@
 //! Does a textured mesh go from its files to the picture that an eye gets, with its textures?
 
-use crate::support::{Folder, Ran, Rgb, command, finish, json};
+use crate::support::{Folder, Ran, Rgb, command, finish, glb, json};
 use serde_json::{Value, json as json_of};
 use std::f64::consts::{PI, TAU};
 
@@ -125,17 +125,7 @@ fn sphere_glb(image: &[u8]) -> Vec<u8> {
         "bufferViews": views,
         "buffers": [{"byteLength": binary.len()}],
     });
-    let mut json = document.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut file = b"glTF".to_vec();
-    let all = 12 + 8 + json.len() + 8 + binary.len();
-    file.extend([2, all as u32].iter().flat_map(|it| it.to_le_bytes()));
-    for (kind, chunk) in [(b"JSON", &json), (b"BIN\0", &binary)] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    file
+    glb(&document, &binary)
 }
 
 /// The same sphere as OBJ, whose MTL names a picture beside it.

@@ -3,7 +3,7 @@
 //!
 //! Memory is what the program itself measured, or a limit of the system.
 
-use crate::support::{Folder, Ran, assert_refused, command, finish, foveal, json_of};
+use crate::support::{Folder, Ran, assert_refused, command, finish, foveal, glb, json_of};
 use serde_json::{Value, json};
 use std::os::unix::fs::symlink;
 use std::process::Command;
@@ -47,24 +47,6 @@ fn white([columns, rows]: [u32; 2]) -> Vec<u8> {
         .write_image_data(&vec![255; row * rows as usize])
         .unwrap();
     drop(writer);
-    file
-}
-
-/// A `.glb` of some JSON and some bytes.
-fn glb(json: &Value, binary: &[u8]) -> Vec<u8> {
-    let mut text = json.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut binary = binary.to_vec();
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let length = 12 + 8 + text.len() + 8 + binary.len();
-    let mut file = b"glTF".to_vec();
-    file.extend(2_u32.to_le_bytes());
-    file.extend((length as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &binary)] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
     file
 }
 

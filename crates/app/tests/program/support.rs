@@ -233,3 +233,20 @@ pub(crate) fn column(folder: &str, name: &str) -> Vec<f64> {
     let value = |line: &str| line.split(',').nth(place).unwrap().parse().unwrap();
     lines.map(value).collect()
 }
+
+/// A `.glb` of a document and its binary part.
+pub(crate) fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut binary = binary.to_vec();
+    binary.resize(binary.len().next_multiple_of(4), 0);
+    let length = 12 + 8 + text.len() + 8 + binary.len();
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend((length as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &binary)] {
+        file.extend((chunk.len() as u32).to_le_bytes());
+        file.extend(kind);
+        file.extend(chunk);
+    }
+    file
+}

@@ -9,6 +9,7 @@ mod built;
 mod bundles;
 mod cloud;
 mod clusters;
+mod folds;
 mod graph;
 mod groups;
 mod joined;

@@ -1,9 +1,11 @@
 //! What does a group of clusters look like with half the triangles?
 
 use super::clusters::{GraphCluster, Part, adapter};
+use super::folds::{Unfolded, unfold};
 use super::mesh::GridMesh;
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
 use meshopt::SimplifyOptions;
+use std::borrow::Cow;
 
 /// What part of the triangles is to stay.
 const RATIO: f64 = 0.5;
@@ -35,7 +37,8 @@ pub(super) fn simplify(
     locked: &[bool],
 ) -> Option<Simplified> {
     let count = fine.iter().map(|it| it.vertices.len()).sum();
-    let part = Part::new(mesh, fine.iter().flat_map(|it| it.corners()), count);
+    let mut part = Part::new(mesh, fine.iter().flat_map(|it| it.corners()), count);
+    let unfolded = unfold(mesh, &mut part);
     let group = Group {
         attributes: attributes(mesh, &part),
         locks: part
@@ -43,6 +46,7 @@ pub(super) fn simplify(
             .iter()
             .map(|it| locked[*it as usize])
             .collect(),
+        unfolded,
         part,
     };
     let plain = SimplifyOptions::ErrorAbsolute | SimplifyOptions::ErrorClamped;
@@ -54,7 +58,9 @@ pub(super) fn simplify(
         2
     }];
     tries.iter().find_map(|(options, permissive)| {
-        let (corners, error) = group.halve(*options)?;
+        let (corners, error) = group.halve(*options, *permissive)?;
+        let same = |it: u32| group.unfolded.same[it as usize];
+        let corners: Vec<u32> = corners.into_iter().map(same).collect();
         Some(Simplified {
             clusters: group.part.clusters(&corners),
             error,
@@ -67,21 +73,32 @@ struct Group {
     part: Part,
     attributes: Weighed,
     locks: Vec<bool>,
+    unfolded: Unfolded,
 }
 
 impl Group {
-    fn halve(&self, options: SimplifyOptions) -> Option<(Vec<u32>, f32)> {
+    fn halve(&self, options: SimplifyOptions, permissive: bool) -> Option<(Vec<u32>, f32)> {
         let triangles = self.part.corners.len() / 3;
         let target = (triangles as f64 * RATIO) as usize;
         let mut error = 0.0;
         let weighed = &self.attributes;
+        // Where attributes may be let go of, seams may be.
+        let folds = match permissive {
+            true => &self.unfolded.rim,
+            false => &self.unfolded.stuck,
+        };
+        let mut locks = Cow::Borrowed(&self.locks);
+        if folds.contains(&true) {
+            let all = locks.to_mut().iter_mut().zip(folds);
+            all.for_each(|(lock, is_fold)| *lock |= is_fold);
+        }
         let corners = meshopt::simplify_with_attributes_and_locks(
             &self.part.corners,
             &adapter(&self.part.positions),
             &weighed.values,
             &weighed.weights,
             size_of_val(&weighed.weights[..]),
-            &self.locks,
+            &locks,
             3 * target,
             f32::MAX,
             options,

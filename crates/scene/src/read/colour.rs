@@ -79,7 +79,8 @@ impl Depth {
         } else if is_real && (self.most <= 2.0 || 2 * within(0) >= all) {
             // Those beyond are brighter than white.
             1.0
-        } else if !is_real && self.has_fractions && self.most <= 1.0 {
+        } else if !is_real && self.most <= 1.0 {
+            // Parts of 1, or codes of one bit: of eight bits they would all be black.
             1.0
         } else if !is_real && usual <= BYTE {
             match self.most > usual || self.is_negative {

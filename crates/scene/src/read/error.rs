@@ -92,7 +92,7 @@ pub enum ReadError {
 const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
 
 /// A [`ReadError`] that does not know its file yet.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Fault {
     Broken {
         place: String,
@@ -145,6 +145,14 @@ impl Fault {
             Self::Unsupported { what, .. } => what,
             Self::Missing { reason, .. } => reason,
             Self::Empty { found } => found,
+        }
+    }
+
+    /// The same, with the name of a file that is missing.
+    pub(super) fn told(self) -> String {
+        match self {
+            Self::Missing { name, reason } => format!("{name:?}: {reason}"),
+            other => other.what(),
         }
     }
 

@@ -144,6 +144,41 @@ pub(crate) fn is_animated(bytes: &[u8]) -> bool {
     webp::is_animated(bytes)
 }
 
+/// What is wrong with a picture that is shown all the same.
+pub(crate) fn damage(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(&PNG) {
+        return damage_of_png(&bytes[PNG.len()..]);
+    }
+    let is_clear = || catch_unwind(AssertUnwindSafe(|| tga::is_clear(bytes))).unwrap_or(false);
+    let is_tga = told(bytes).is_some_and(|it| it.format == Format::Tga);
+    (is_tga && is_clear()).then_some("has an alpha of 0 everywhere, and is shown opaque")
+}
+
+/// What is wrong with chunks of a PNG, each a length, four letters, contents and a sum (ISO 15948).
+fn damage_of_png(chunks: &[u8]) -> Option<&'static str> {
+    let mut rest = chunks;
+    while let Some((head, behind)) = rest.split_at_checked(8) {
+        let length = u32::from_be_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        let chunk = behind.split_at_checked(length);
+        let Some((contents, (sum, behind))) =
+            chunk.and_then(|(contents, behind)| Some((contents, behind.split_at_checked(4)?)))
+        else {
+            break;
+        };
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&head[4..]);
+        hasher.update(contents);
+        if sum != hasher.finalize().to_be_bytes() {
+            return Some("has sums that do not fit to its bytes, and may show damage");
+        }
+        if &head[4..] == b"IEND" {
+            return None;
+        }
+        rest = behind;
+    }
+    Some("lacks its end, or a part of it")
+}
+
 /// How a picture is coded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
@@ -213,6 +248,8 @@ fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::normalize_to_color8());
+    // Rows that come are shown, whatever the sums behind them say; `damage` tells of these.
+    decoder.ignore_checksums(true);
     decoder
 }
 
@@ -291,7 +328,7 @@ impl<'a> PictureRows<'a> {
                     add_texels(row.data(), kind, &mut texels)?;
                 }
                 let is_last = count > 0 && first + count == all;
-                if is_last && reader.next_row().ok()?.is_some() {
+                if is_last && matches!(reader.next_row(), Ok(Some(_))) {
                     return None;
                 }
             }
@@ -385,7 +422,23 @@ mod tests {
         let fault = measured(&wide).unwrap_err();
         assert!(fault.to_string().contains("100000 x 1 texels"), "{fault}");
         assert_eq!(size_of(b"\xff\xd8\xff\xc0 no picture"), None);
-        assert_eq!(decode(&good[..good.len() - 20]), None);
+        assert_eq!(decode(&good[..good.len() - 30]), None);
+    }
+
+    #[test]
+    fn a_png_whose_rows_all_come_is_shown_whatever_follows_and_that_is_told() {
+        let good = png_of([1, 1], ColorType::Rgb, &[1, 2, 3]);
+        assert_eq!(damage(&good), None);
+        for end in [4, 12, 16] {
+            let cut = &good[..good.len() - end];
+            assert_eq!(decode(cut).unwrap(), [[1, 2, 3, 255]], "{end}");
+            assert!(damage(cut).is_some_and(|it| it.contains("lacks its end")));
+        }
+        let mut wrong = good;
+        let at = wrong.len() - 13;
+        wrong[at] ^= 1;
+        assert_eq!(decode(&wrong).unwrap(), [[1, 2, 3, 255]]);
+        assert!(damage(&wrong).is_some_and(|it| it.contains("sums")));
     }
 
     /// The checksum of a chunk (ISO 3309).

@@ -6,7 +6,7 @@ use super::text::shortened;
 use crate::source::SourceScene;
 
 /// A kind of mend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Mend {
     /// Its name in `repairs`.
     pub(super) name: &'static str,
@@ -48,6 +48,11 @@ pub(super) const NORMAL_NOT_FOUND: Mend = Mend {
 pub(super) const COLOUR_MADE: Mend = Mend {
     name: "colours_made",
     what: "colours that are no numbers are shown white",
+};
+/// Of red, green and blue not all are there.
+pub(super) const COLOUR_INCOMPLETE: Mend = Mend {
+    name: "colours_incomplete",
+    what: "colours of which red, green or blue is missing are left out",
 };
 /// The file ends before all rows that it announces.
 pub(super) const ROW_MISSING: Mend = Mend {
@@ -104,6 +109,88 @@ pub(super) const NOT_FILLED: Mend = Mend {
 pub(super) const FROM_ZERO: Mend = Mend {
     name: "faces_from_zero",
     what: "faces that count vertices from 0 are read so",
+};
+
+/// What a part of a glTF file names is not there, or cannot be read.
+pub(super) const PART_LEFT: Mend = Mend {
+    name: "parts_left_out",
+    what: "parts of meshes that cannot be read are left out",
+};
+/// The same of what vertices have beside a place.
+pub(super) const ATTRIBUTE_LEFT: Mend = Mend {
+    name: "attributes_left_out",
+    what: "normals, colours or texture coordinates that cannot be read are left out",
+};
+/// They are more or fewer than the vertices.
+pub(super) const ATTRIBUTE_LENGTH: Mend = Mend {
+    name: "attributes_of_another_length",
+    what: "lists of normals, colours or texture coordinates are longer or shorter than that of \
+           the vertices: those that exist are used",
+};
+/// A shape of a mesh at rest cannot be read.
+pub(super) const SHAPE_LEFT: Mend = Mend {
+    name: "shapes_left_out",
+    what: "shapes that move other numbers of vertices, or cannot be read, are left out",
+};
+/// An accessor tells of more elements than its view has.
+pub(super) const ACCESSOR_CUT: Mend = Mend {
+    name: "accessors_cut",
+    what: "accessors tell of more elements than there are bytes for: those that exist are used",
+};
+/// A sparse accessor replaces elements that are not there.
+pub(super) const SPARSE_LEFT: Mend = Mend {
+    name: "sparse_elements_left_out",
+    what: "sparse accessors replace elements that do not exist: left out",
+};
+/// Numbers of vertices are signed or real.
+pub(super) const ODD_INDICES: Mend = Mend {
+    name: "indices_of_another_kind",
+    what: "lists of indices are not of unsigned whole numbers, and are read as if they were",
+};
+/// A view goes beyond its buffer.
+pub(super) const VIEW_CUT: Mend = Mend {
+    name: "views_cut",
+    what: "buffer views end beyond their buffers: the bytes that exist are used",
+};
+/// What is compressed cannot be unpacked.
+pub(super) const PACKED_LEFT: Mend = Mend {
+    name: "compressed_parts_left_out",
+    what: "compressed parts that cannot be unpacked are left out",
+};
+/// A part has a material that is not there.
+pub(super) const MATERIAL_NOT_FOUND: Mend = Mend {
+    name: "materials_not_found",
+    what: "materials that parts of meshes name do not exist: these parts are white",
+};
+/// A texture has a sampler that is not there.
+pub(super) const SAMPLER_NOT_FOUND: Mend = Mend {
+    name: "samplers_not_found",
+    what: "samplers that textures name do not exist: these textures repeat",
+};
+/// A scene, a node or a mesh that is named is not there.
+pub(super) const NODE_NOT_FOUND: Mend = Mend {
+    name: "nodes_not_found",
+    what: "nodes, or their meshes, that the file names do not exist: left out",
+};
+/// The scene to show is not there.
+pub(super) const SCENE_NOT_FOUND: Mend = Mend {
+    name: "scenes_not_found",
+    what: "the scene to show does not exist, or there is none: another is shown in its place",
+};
+/// A node is below itself.
+pub(super) const NODE_IN_ITSELF: Mend = Mend {
+    name: "nodes_in_themselves",
+    what: "nodes that are below themselves are shown once there",
+};
+/// A node is a child of several.
+pub(super) const NODE_SHARED: Mend = Mend {
+    name: "nodes_with_several_parents",
+    what: "nodes that have several parents, which glTF does not allow, are shown below each",
+};
+/// A place has no meaning.
+pub(super) const PLACE_MENDED: Mend = Mend {
+    name: "places_mended",
+    what: "rotations, matrices, skins or instances of nodes that have no meaning are left out",
 };
 
 /// All mends of a file: how often each kind was needed, and where first.

@@ -16,6 +16,7 @@ mod place;
 mod ply;
 mod polygon;
 mod search;
+mod sheets;
 mod single;
 mod sound;
 mod stl;

@@ -8,8 +8,8 @@ use super::mends::Mends;
 use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::{shortened, utf8_of};
-use super::{gltf, las, obj, outliers, ply, sound, stl};
-use crate::source::SourceScene;
+use super::{gltf, las, obj, outliers, ply, sheets, sound, stl};
+use crate::source::{SourceMesh, SourceScene};
 
 /// How a scene is written in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,8 +178,13 @@ impl SceneFile<'_> {
             // A mesh that stands in several places is finite after the first.
             sound::make_finite(&mut scene.meshes[object.mesh], &object.name, &mut mends);
         }
-        for mesh in &mut scene.meshes {
-            sound::make_sound(mesh, &mut scene.repairs);
+        let sound = |mesh| sound::make_sound(mesh, &mut scene.repairs);
+        let has_sides: Vec<bool> = scene.meshes.iter_mut().map(sound).collect();
+        for number in (0..has_sides.len()).filter(|it| has_sides[*it]) {
+            let mut objects = scene.objects.iter();
+            let shown = objects.find(|it| it.mesh == number);
+            let name = shown.map_or_else(String::new, |it| it.name.clone());
+            sheets::join_sides(&mut scene, number, &name);
         }
         mends.tell(self.name, &mut scene);
         scene.leave_out_empty();
@@ -187,6 +192,11 @@ impl SceneFile<'_> {
         place::turn_up(&mut scene, self.up);
         place::check_count(&scene)?;
         place::check(&scene)?;
+        if scene.clouds.is_empty() && scene.meshes.iter().all(is_flat) {
+            let triangles = scene.meshes.iter().map(|it| it.triangles.len()).sum();
+            sound::count(&mut scene.repairs, "zero_area_triangles", triangles);
+            scene.objects.clear();
+        }
         if scene.objects.is_empty() && scene.clouds.is_empty() {
             return Err(Fault::Empty {
                 found: found_instead(&scene),
@@ -195,6 +205,19 @@ impl SceneFile<'_> {
         Ok(scene)
     }
 }
+
+/// Whether no triangle of a mesh has any area: their corners lie in lines.
+fn is_flat(mesh: &SourceMesh) -> bool {
+    mesh.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|it| mesh.positions[it as usize]);
+        let [one, other] = [b - a, c - a];
+        let longest = one.length_squared().max(other.length_squared());
+        one.cross(other).length() <= NO_AREA * longest
+    })
+}
+
+/// So much of the square of its longest side is no area of a triangle.
+const NO_AREA: f64 = 1e-12;
 
 /// Most remarks in the message that refuses a scene.
 const MOST_TOLD: usize = 3;

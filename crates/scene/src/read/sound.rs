@@ -7,11 +7,13 @@ use glam::DVec3;
 use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
-/// Names in `repairs` of what is counted because it may be a mistake, and stays as it is.
-pub const KEPT: [&str; 5] = [
+/// Names in `repairs` of what is counted because it may be a mistake, and looks as it did.
+pub const KEPT: [&str; 7] = [
     "duplicate_vertices",
     "mixed_winding_edges",
     "non_manifold_edges",
+    "permissive_groups",
+    "two_sided_faces",
     "unused_vertices",
     "zero_area_triangles",
 ];
@@ -91,16 +93,17 @@ fn make_uvs(mesh: &mut SourceMesh) -> usize {
 
 /// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
 /// names; makes normals unit vectors, those that are none from the triangles around them. Counts
-/// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding.
+/// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding. Returns
+/// whether some edges have many triangles.
 ///
 /// The mesh is as [`make_finite`] leaves it.
-pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) {
+pub(super) fn make_sound(mesh: &mut SourceMesh, repairs: &mut Repairs) -> bool {
     leave_out_triangles(mesh, repairs);
     let unused = mesh.leave_out_unused_vertices();
     count(repairs, "unused_vertices", unused);
     count(repairs, "normals_made", make_normals(mesh));
     count(repairs, "duplicate_vertices", duplicate_vertices(mesh));
-    count_edges(mesh, repairs);
+    count_edges(mesh, repairs)
 }
 
 /// How many vertices say what an earlier one says: on the grid they become one.
@@ -117,8 +120,9 @@ fn duplicate_vertices(mesh: &SourceMesh) -> usize {
 }
 
 /// Counts edges of more than two triangles, and edges that two triangles walk the same way, so
-/// that one of them shows its back. Such triangles stay as they are.
-fn count_edges(mesh: &SourceMesh, repairs: &mut Repairs) {
+/// that one of them shows its back. Such triangles stay as they are. Returns whether there are
+/// edges of more than two.
+fn count_edges(mesh: &SourceMesh, repairs: &mut Repairs) -> bool {
     let place = places(&mesh.positions);
     // How often an edge is walked up and down, by the numbers of its places.
     let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::with_capacity(mesh.triangles.len() * 2);
@@ -131,20 +135,18 @@ fn count_edges(mesh: &SourceMesh, repairs: &mut Repairs) {
     }
     let is_shared = |it: &&[u32; 2]| it[0] + it[1] > 2;
     let is_mixed = |it: &&[u32; 2]| **it == [2, 0] || **it == [0, 2];
-    count(
-        repairs,
-        "non_manifold_edges",
-        edges.values().filter(is_shared).count(),
-    );
+    let many = edges.values().filter(is_shared).count();
+    count(repairs, "non_manifold_edges", many);
     count(
         repairs,
         "mixed_winding_edges",
         edges.values().filter(is_mixed).count(),
     );
+    many > 0
 }
 
 /// A number for each vertex, the same for those at the same place.
-fn places(positions: &[DVec3]) -> Vec<u32> {
+pub(super) fn places(positions: &[DVec3]) -> Vec<u32> {
     let mut of: HashMap<[u64; 3], u32> = HashMap::with_capacity(positions.len());
     positions
         .iter()

@@ -1,12 +1,14 @@
 //! How is an STL file read?
 //!
-//! Binary: 80 bytes of any text, the number of triangles, and 50 bytes for each. Text: `vertex`
-//! lines in loops. Corners at one place become one vertex, so that the mesh is connected.
+//! Binary: 80 bytes of any text, the number of triangles, and 50 bytes for each, of which the last
+//! two may be a colour, as VisCAM and Magics write them. Text: `vertex` lines in loops. Corners at
+//! one place become one vertex, so that the mesh is connected.
 
 use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3};
 
+use super::colour::linear_from_encoded;
 use super::error::Fault;
 use super::mends::{self, Mends};
 use super::polygon::Polygons;
@@ -44,6 +46,9 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         repairs: solid.repairs,
         ..SourceScene::default()
     };
+    let solid_colour = colour_of_solid(bytes).filter(|_| solid.is_binary);
+    solid.words.resize(scene.meshes[0].triangles.len(), 0);
+    colour(&solid.words, solid_colour, &mut scene);
     solid.mends.tell(name, &mut scene);
     Ok(scene)
 }
@@ -86,7 +91,70 @@ struct Solid {
     vertex_at: HashMap<[u64; 3], u32>,
     repairs: Repairs,
     mends: Mends,
+    is_binary: bool,
+    /// The last two bytes of each triangle, where these may be a colour.
+    words: Vec<u16>,
 }
+
+/// The colour of a whole solid that Magics writes into the head: red, green, blue and alpha.
+fn colour_of_solid(bytes: &[u8]) -> Option<[u8; 3]> {
+    const SIGN: &[u8] = b"COLOR=";
+    let head = bytes.get(..HEADER_BYTES)?;
+    let at = head.windows(SIGN.len()).position(|it| it == SIGN)? + SIGN.len();
+    head.get(at..at + 3)?.try_into().ok()
+}
+
+/// Gives triangles the colours that words of theirs say: five bits for each part, and a highest bit
+/// that VisCAM sets where the others are a colour, red highest, and Magics where the triangle has
+/// the colour of the solid, else red lowest.
+fn colour(words: &[u16], of_solid: Option<[u8; 3]>, scene: &mut SourceScene) {
+    let is_said = words.iter().any(|it| *it != 0);
+    let light = |colour: [u8; 3]| {
+        let [red, green, blue] = colour.map(|it| linear_from_encoded(f64::from(it) / 255.0));
+        [red, green, blue, 1.0]
+    };
+    if let Some(colour) = of_solid {
+        scene.materials[0].colour = light(colour);
+    }
+    if !is_said {
+        return;
+    }
+    if of_solid.is_none() && words.iter().all(|it| it & VALID == 0) {
+        scene.remark(
+            "triangles have two bytes each beside their places, which are no colours: not drawn",
+        );
+        return;
+    }
+    let part = |word: u16, place: u16| ((u32::from(word >> place & 31) * 255 + 15) / 31) as u8;
+    let mut numbers: HashMap<u16, u32> = HashMap::new();
+    let mut materials = Vec::with_capacity(words.len());
+    for word in words {
+        let has_own = (word & VALID == 0) == of_solid.is_some();
+        if !has_own {
+            materials.push(0);
+            continue;
+        }
+        let next = scene.materials.len() as u32;
+        let number = *numbers.entry(*word).or_insert(next);
+        if number == next {
+            let [low, middle, high] = [0, 5, 10].map(|place| part(*word, place));
+            let colour = match of_solid.is_some() {
+                true => [low, middle, high],
+                false => [high, middle, low],
+            };
+            scene.materials.push(Material {
+                colour: light(colour),
+                two_sided: true,
+                ..Material::default()
+            });
+        }
+        materials.push(number);
+    }
+    scene.meshes[0].materials = materials;
+}
+
+/// The highest bit of a colour.
+const VALID: u16 = 1 << 15;
 
 impl Solid {
     /// The number of the vertex at a place, which may be NaN.
@@ -101,6 +169,7 @@ impl Solid {
     }
 
     fn read_binary(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+        self.is_binary = true;
         let Some(claimed) = bytes.get(HEADER_BYTES..FIRST_TRIANGLE) else {
             let what = format!(
                 "an STL file has at least 84 bytes, this one {}",
@@ -125,6 +194,10 @@ impl Solid {
         let beyond = read.saturating_sub(claimed);
         self.mends.add(mends::ROW_BEYOND, beyond, place(claimed));
         self.mends.add(mends::ROW_LEFT, there - read, place(read));
+        let word =
+            |row: &[u8]| u16::from_le_bytes([row[TRIANGLE_BYTES - 2], row[TRIANGLE_BYTES - 1]]);
+        let all = rows.chunks_exact(TRIANGLE_BYTES).take(read);
+        self.words = all.map(word).collect();
         (0..read).try_for_each(|index| {
             let at = index * TRIANGLE_BYTES;
             self.add_binary(&rows[at..], at)

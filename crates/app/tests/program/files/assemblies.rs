@@ -1,6 +1,6 @@
 //! Are models of very many parts, and of parts in very many places, prepared and shown?
 
-use crate::support::{Folder, Rgb, command, done, finish, json};
+use crate::support::{Folder, Rgb, command, done, finish, glb, json};
 use serde_json::{Value, json as made};
 
 /// A `.glb` of so many boxes, each a mesh of its own with a name, in so many places each.
@@ -51,22 +51,7 @@ fn boxes(parts: usize, places: usize) -> Vec<u8> {
             {"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.4, 0.8, 1]}},
         ],
     });
-    glb(&json, bytes)
-}
-
-fn glb(json: &Value, mut bytes: Vec<u8>) -> Vec<u8> {
-    let mut json = json.to_string().into_bytes();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    bytes.resize(bytes.len().next_multiple_of(4), 0);
-    let mut file = b"glTF".to_vec();
-    let word = |number: usize| (number as u32).to_le_bytes();
-    file.extend([word(2), word(28 + json.len() + bytes.len())].concat());
-    for (kind, chunk) in [(b"JSON", json), (b"BIN\0", bytes)] {
-        file.extend(word(chunk.len()));
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    file
+    glb(&json, &bytes)
 }
 
 /// What preparing tells, after `info` told the same and `verify` found nothing.
@@ -192,7 +177,7 @@ fn one_mesh_in_a_hundred_thousand_places_is_sent_once() {
         ],
         "buffers": [{"byteLength": bytes.len()}],
     });
-    let (pack, told) = prepared(&folder, "forest.glb", &glb(&json, bytes));
+    let (pack, told) = prepared(&folder, "forest.glb", &glb(&json, &bytes));
     assert_eq!(
         (&told["objects"], &told["placements"]),
         (&1.into(), &100_000.into())

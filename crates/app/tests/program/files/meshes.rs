@@ -1,26 +1,9 @@
 //! Are textures of which a part is seen, and faces with any outline, drawn as they were meant?
 
-use crate::support::{Folder, Rgb, done, frame_picture, json};
+use crate::support::{Folder, Rgb, done, frame_picture, glb, json};
 use serde_json::{Value, json as value};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-
-/// A `.glb` of a document and its binary part.
-pub(super) fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
-    let mut text = document.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut binary = binary.to_vec();
-    binary.resize(binary.len().next_multiple_of(4), 0);
-    let length = 12 + 8 + text.len() + 8 + binary.len();
-    let mut file = b"glTF\x02\0\0\0".to_vec();
-    file.extend((length as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &binary)] {
-        file.extend((chunk.len() as u32).to_le_bytes());
-        file.extend(kind);
-        file.extend(chunk);
-    }
-    file
-}
 
 pub(super) fn le_bytes(numbers: &[f32]) -> Vec<u8> {
     numbers.iter().flat_map(|it| it.to_le_bytes()).collect()

@@ -3,6 +3,7 @@
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 
 mod assemblies;
+mod broken;
 mod broken_films;
 mod cameras;
 mod colours;

@@ -1,8 +1,8 @@
 //! Do numbers that are none, lines out of order and rows that are missing cost no more than
 //! themselves?
 
-use super::meshes::{glb, le_bytes, picture, prepared, shown};
-use crate::support::{Folder, json, refused};
+use super::meshes::{le_bytes, picture, prepared, shown};
+use crate::support::{Folder, glb, json, refused};
 use serde_json::{Value, json as value};
 
 /// A square of two triangles as OBJ, before and behind more lines.

@@ -19,6 +19,15 @@ const MOST_CELLS: u32 = 12;
 /// Most levels of a tree: those of a scene are at most 40.
 const MOST_DEPTH: u32 = 38;
 
+/// Points are looked at for how far they are apart in cells so many levels below a cube.
+const LOOKED_AT: u32 = 3;
+/// Where these depths differ by so much, sixteenfold in points by area, a cube is parted.
+const UNEVEN: u32 = 2;
+/// Fewer points are not parted for that.
+const FEW_POINTS: usize = 512;
+/// Nor are any at this depth.
+const MOST_PARTED: u32 = 24;
+
 /// A unit before it has a number.
 pub(super) struct CloudNode {
     /// The node whose octant it refines; of the root none.
@@ -257,16 +266,19 @@ fn added(part: &mut Part<'_>, bits: u32) -> Added {
     let before = part.cells.unwrap_or(part.depth);
     let deepest = bits.min(part.depth + MOST_CELLS);
     let occupied = occupied_cells(part.points, bits);
-    if left <= MOST_POINTS {
-        // Points that lie anywhere leave few holes then.
-        let third = part.points.len() as u32 / 3;
-        let cells = (before..deepest).find(|cells| occupied[*cells as usize] >= third);
-        return Added {
-            is_leaf: true,
-            ..first_left(part, cells.unwrap_or(deepest.max(before)))
-        };
-    }
     let first = part.cells.map_or(part.depth, |cells| cells + 1);
+    if left <= MOST_POINTS {
+        let [sparse, usual, dense] = filled_depths(part, bits);
+        let is_even = dense < sparse + UNEVEN || left < FEW_POINTS;
+        if is_even || sparse < first || sparse >= deepest || part.depth >= MOST_PARTED {
+            return Added {
+                is_leaf: true,
+                ..first_left(part, usual.clamp(before, deepest.max(before)))
+            };
+        }
+        // Where points lie close together, octants have the others, at spacings of their own.
+        return spread(part, sparse, bits, |_| true);
+    }
     if bits <= part.depth || first > deepest {
         return first_left(part, before);
     }
@@ -286,6 +298,29 @@ fn added(part: &mut Part<'_>, bits: u32) -> Added {
             }
         }
     }
+}
+
+/// The depths down to whose cells points fill a cube without many holes: of the twelfth of it, by
+/// area, where they are farthest apart, of a quarter, and of all but a twelfth.
+fn filled_depths(part: &Part<'_>, bits: u32) -> [u32; 3] {
+    let looked_at = bits.min(part.depth + LOOKED_AT);
+    let mut depths = Vec::new();
+    let mut start = 0;
+    for end in cell_ends(part.points, looked_at, bits) {
+        let cell = &part.points[std::mem::replace(&mut start, end)..end];
+        let occupied = occupied_cells(cell, bits);
+        // Points that lie anywhere leave few holes then.
+        let third = cell.len() as u32 / 3;
+        let depth = (looked_at..bits).find(|cells| occupied[*cells as usize] >= third);
+        depths.push(depth.unwrap_or(bits));
+    }
+    depths.sort_unstable();
+    [1, 3, 11].map(|of_twelve| {
+        depths
+            .get(depths.len() * of_twelve / 12)
+            .copied()
+            .unwrap_or(0)
+    })
 }
 
 /// For each depth how many cells have points.

@@ -1,6 +1,10 @@
 //! Which numbers does a glTF accessor show?
 
+use std::cell::RefCell;
+use std::collections::HashSet;
+
 use super::super::error::Fault;
+use super::super::mends::{ACCESSOR_CUT, Mend, Mends, ODD_INDICES, SPARSE_LEFT};
 use super::super::text::shortened;
 use super::buffers::Buffers;
 use super::json::{Accessor, Document, Sparse};
@@ -9,6 +13,24 @@ use super::json::{Accessor, Document, Sparse};
 pub(super) struct Accessors<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: Buffers<'a>,
+    /// What of them was mended.
+    pub(super) notes: RefCell<Notes>,
+}
+
+/// What was mended, each accessor once.
+#[derive(Default)]
+pub(super) struct Notes {
+    pub(super) mends: Mends,
+    met: HashSet<(Mend, u32)>,
+}
+
+impl Notes {
+    fn add(&mut self, mend: Mend, accessor: u32, what: &str) {
+        if self.met.insert((mend, accessor)) {
+            self.mends
+                .add(mend, 1, || format!("is accessor {accessor}{what}"));
+        }
+    }
 }
 
 /// A kind of number, little end first.
@@ -96,6 +118,8 @@ struct Opened<'a> {
     accessor: &'a Accessor,
     component: Component,
     width: usize,
+    /// How many elements there are.
+    count: u64,
     /// `None` where all elements are zero.
     rows: Option<Rows<'a>>,
 }
@@ -137,19 +161,21 @@ impl Accessors<'_> {
             None => {
                 let mut zero = [1.0; N];
                 zero[..width].fill(0.0);
-                vec![zero; opened.accessor.count as usize]
+                vec![zero; opened.count as usize]
             }
         };
         if let Some(sparse) = &opened.accessor.sparse {
-            self.replace(&mut rows, sparse, &opened)
-                .map_err(|within| within.of(fault))?;
+            let lost = self.replace(&mut rows, sparse, &opened);
+            if lost.map_err(|within| within.of(fault))? > 0 {
+                self.notes.borrow_mut().add(SPARSE_LEFT, number, "");
+            }
         }
         Ok(rows)
     }
 
     /// How many elements an accessor has: so many that there are bytes for them.
     pub(super) fn count(&self, number: u32) -> Result<u64, Fault> {
-        self.open(number).map(|opened| opened.accessor.count)
+        self.open(number).map(|opened| opened.count)
     }
 
     /// Checks an accessor against the bytes that it names.
@@ -164,7 +190,13 @@ impl Accessors<'_> {
         let rows = match accessor.buffer_view {
             Some(view) => {
                 let rows = self.part(accessor, component, width, view);
-                Some(rows.map_err(|within| within.of(fault))?)
+                let rows = rows.map_err(|within| within.of(fault))?;
+                let (said, found) = (accessor.count, rows.count as u64);
+                if found < said {
+                    let what = format!(", of {said} elements, of which {found} exist");
+                    self.notes.borrow_mut().add(ACCESSOR_CUT, number, &what);
+                }
+                Some(rows)
             }
             None if accessor.count > self.buffers.total as u64 => {
                 let what = "elements without bytes are more than all buffers have bytes";
@@ -176,6 +208,7 @@ impl Accessors<'_> {
             accessor,
             component,
             width,
+            count: rows.as_ref().map_or(accessor.count, |it| it.count as u64),
             rows,
         })
     }
@@ -205,17 +238,24 @@ impl Accessors<'_> {
         Ok(full)
     }
 
-    /// The elements of an accessor of whole numbers.
+    /// The elements of an accessor of whole numbers; what is none is the largest.
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
         let whole = [Component::U8, Component::U16, Component::U32];
         let component = Component::of(accessor.component_type);
-        if accessor.normalized || !component.is_some_and(|component| whole.contains(&component)) {
+        if accessor.normalized {
             let what = "indices must be unsigned whole numbers";
             return Err(Fault::at(format!("accessor {number}"), what));
         }
         let rows = self.rows::<1>(number, &[1])?;
-        Ok(rows.into_iter().map(|[index]| index as u32).collect())
+        if !component.is_some_and(|component| whole.contains(&component)) {
+            self.notes.borrow_mut().add(ODD_INDICES, number, "");
+        }
+        let index = |[index]: [f64; 1]| match index.fract() == 0.0 && index >= 0.0 {
+            true => index as u32,
+            false => u32::MAX,
+        };
+        Ok(rows.into_iter().map(index).collect())
     }
 
     /// What the document says of an accessor.
@@ -227,6 +267,7 @@ impl Accessors<'_> {
         })
     }
 
+    /// As many elements of a view as are there, and at least one.
     fn part(
         &self,
         accessor: &Accessor,
@@ -247,9 +288,9 @@ impl Accessors<'_> {
             return Err(Within::Here(what));
         }
         let fits = fitting(bytes.len() as u64, accessor.byte_offset, stride, size);
-        if accessor.count > fits {
+        if fits == 0 && accessor.count > 0 {
             let what = format!(
-                "{} elements are said to be in buffer view {view}, but only {fits} fit into it",
+                "{} elements are said to be in buffer view {view}, but none fits into it",
                 accessor.count
             );
             return Err(Within::Here(what));
@@ -258,19 +299,19 @@ impl Accessors<'_> {
         Ok(Rows {
             bytes: &bytes[begin..],
             stride,
-            count: accessor.count as usize,
+            count: accessor.count.min(fits) as usize,
             component,
             normalised: accessor.normalized,
         })
     }
 
-    /// Puts the elements of a sparse part in place of others.
+    /// Puts the elements of a sparse part in place of others; gives how many cannot be.
     fn replace<const N: usize>(
         &self,
         rows: &mut [[f64; N]],
         sparse: &Sparse,
         opened: &Opened<'_>,
-    ) -> Result<(), Within> {
+    ) -> Result<usize, Within> {
         let Opened {
             accessor,
             component,
@@ -288,19 +329,19 @@ impl Accessors<'_> {
         let at = self.part(&tight(at.byte_offset, false), kind, 1, at.buffer_view)?;
         let part = tight(values.byte_offset, accessor.normalized);
         let values = self.part(&part, component, width, values.buffer_view)?;
-        for index in 0..at.count {
+        let there = at.count.min(values.count);
+        let mut lost = usize::try_from(sparse.count).unwrap_or(usize::MAX) - there;
+        for index in 0..there {
             let [place] = at.row::<1>(index, 1);
-            let count = rows.len();
             let row = (place >= 0.0)
                 .then(|| rows.get_mut(place as usize))
                 .flatten();
-            let Some(row) = row else {
-                let what = format!("its sparse part replaces element {place} of {count}");
-                return Err(Within::Here(what));
-            };
-            *row = values.row(index, width);
+            match row {
+                Some(row) => *row = values.row(index, width),
+                None => lost += 1,
+            }
         }
-        Ok(())
+        Ok(lost)
     }
 }
 

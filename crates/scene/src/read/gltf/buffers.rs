@@ -19,13 +19,13 @@ const MOST_UNPACKED: u64 = 64;
 
 /// The bytes of all buffers that could be read.
 pub(super) struct Buffers<'a> {
-    /// `None` for a buffer without bytes, which stands in for views that are compressed.
-    buffers: Vec<Option<Bytes<'a>>>,
+    /// Why there are none; nothing for a buffer that stands in for views that are compressed.
+    buffers: Vec<Result<Bytes<'a>, Option<Fault>>>,
     /// How many bytes all have together; what several name counts once, what is unpacked does not.
     pub(super) total: usize,
     /// How many bytes were unpacked.
     pub(super) unpacked: u64,
-    /// How many have fewer bytes than the file says; views of those that are not there are refused.
+    /// How many have fewer bytes than the file says.
     pub(super) short: usize,
 }
 
@@ -49,34 +49,36 @@ impl<'a> Buffers<'a> {
         document: &Document,
         binary: Option<&'a [u8]>,
         folder: &mut dyn Folder,
-    ) -> Result<Self, Fault> {
+    ) -> Self {
         let mut met = HashSet::new();
         let mut buffers = Vec::with_capacity(document.buffers.len());
         let mut short = 0;
         let mut total = binary.map_or(0, <[u8]>::len);
         for (number, buffer) in document.buffers.iter().enumerate() {
             let bytes = match (&buffer.uri, binary) {
-                _ if buffer.is_fallback() => None,
-                (Some(uri), _) => {
-                    let bytes = bytes_of(uri, &format!("buffer {number}"), folder)?;
-                    if met.insert(Rc::as_ptr(&bytes)) {
-                        total += bytes.len();
+                _ if buffer.is_fallback() => Err(None),
+                (Some(uri), _) => match bytes_of(uri, &format!("buffer {number}"), folder) {
+                    Ok(bytes) => {
+                        if met.insert(Rc::as_ptr(&bytes)) {
+                            total += bytes.len();
+                        }
+                        Ok(Bytes::Read(bytes))
                     }
-                    Some(Bytes::Read(bytes))
-                }
-                (None, Some(binary)) if number == 0 => Some(Bytes::OfFile(binary)),
-                (None, _) => None,
+                    Err(fault) => Err(Some(fault)),
+                },
+                (None, Some(binary)) if number == 0 => Ok(Bytes::OfFile(binary)),
+                (None, _) => Err(None),
             };
-            let found = bytes.as_ref().map(|it| it.get().len() as u64);
+            let found = bytes.as_ref().ok().map(|it| it.get().len() as u64);
             short += usize::from(found.is_some_and(|found| found < buffer.byte_length));
             buffers.push(bytes);
         }
-        Ok(Self {
+        Self {
             buffers,
             total,
             unpacked: 0,
             short,
-        })
+        }
     }
 
     /// The bytes of view `number`.
@@ -92,17 +94,28 @@ impl<'a> Buffers<'a> {
         self.part(view, &place)
     }
 
-    /// The bytes that a view at `place` names.
+    /// Whether a view of a buffer that is there ends beyond it, so that [`Self::part`] is shorter.
+    pub(super) fn is_cut(&self, view: &View) -> bool {
+        let buffer = self.buffers.get(view.buffer as usize);
+        let length = buffer.and_then(|it| it.as_ref().ok());
+        let length = length.map_or(u64::MAX, |it| it.get().len() as u64);
+        view.byte_offset.saturating_add(view.byte_length) > length
+    }
+
+    /// The bytes that a view at `place` names; where it ends beyond its buffer, those before that.
     pub(super) fn part(&self, view: &View, place: &dyn Fn() -> String) -> Result<&[u8], Fault> {
         let Some(bytes) = self.buffers.get(view.buffer as usize) else {
             let what = format!("names buffer {}, of {}", view.buffer, self.buffers.len());
             return Err(Fault::at(place(), what));
         };
-        let Some(bytes) = bytes else {
-            let what = "has no uri and no bytes";
-            return Err(Fault::at(format!("buffer {}", view.buffer), what));
+        let bytes = match bytes {
+            Ok(bytes) => bytes.get(),
+            Err(Some(fault)) => return Err(fault.clone()),
+            Err(None) => {
+                let what = "has no uri and no bytes";
+                return Err(Fault::at(format!("buffer {}", view.buffer), what));
+            }
         };
-        let bytes = bytes.get();
         range(bytes, view.byte_offset, view.byte_length).ok_or_else(|| {
             let what = format!(
                 "bytes {} and {} more are beyond buffer {}, which has {}",
@@ -113,6 +126,12 @@ impl<'a> Buffers<'a> {
             );
             Fault::at(place(), what)
         })
+    }
+
+    /// Why the first buffer that is not there cannot be read.
+    pub(super) fn first_fault(&self) -> Option<Fault> {
+        let mut lost = self.buffers.iter().filter_map(|it| it.as_ref().err());
+        lost.find_map(Clone::clone)
     }
 
     /// Bytes that may still be unpacked.
@@ -134,14 +153,22 @@ impl<'a> Buffers<'a> {
 
     /// Adds a buffer of bytes that were unpacked, and gives its number.
     pub(super) fn add(&mut self, bytes: Vec<u8>) -> u32 {
-        self.buffers.push(Some(Bytes::Read(Rc::new(bytes))));
+        self.buffers.push(Ok(Bytes::Read(Rc::new(bytes))));
+        self.buffers.len() as u32 - 1
+    }
+
+    /// Adds a buffer that is not there, for what could not be unpacked, and gives its number.
+    pub(super) fn add_lost(&mut self, fault: Fault) -> u32 {
+        self.buffers.push(Err(Some(fault)));
         self.buffers.len() as u32 - 1
     }
 }
 
 fn range(bytes: &[u8], begin: u64, length: u64) -> Option<&[u8]> {
-    let end = usize::try_from(begin.checked_add(length)?).ok()?;
-    bytes.get(usize::try_from(begin).ok()?..end)
+    let rest = bytes.get(usize::try_from(begin).ok()?..)?;
+    let length = usize::try_from(length).unwrap_or(usize::MAX);
+    let is_there = length == 0 || !rest.is_empty();
+    is_there.then(|| &rest[..length.min(rest.len())])
 }
 
 /// The bytes that a URI of something names.

@@ -98,15 +98,38 @@ pub(super) struct Parsed<'a> {
     pub(super) document: Document,
     /// The binary part of a `.glb`.
     pub(super) binary: Option<&'a [u8]>,
-    /// How much of its JSON was mended.
+    pub(super) told: ToldOfFile,
+}
+
+/// What of a file was mended before anything of it was read.
+#[derive(Default)]
+pub(super) struct ToldOfFile {
+    /// How much of its JSON.
     pub(super) mended: usize,
+    /// In what way it is longer or shorter than it says.
+    pub(super) length: Option<String>,
+}
+
+/// The parts of a `.glb`.
+struct Chunks<'a> {
+    json: &'a [u8],
+    binary: Option<&'a [u8]>,
+    length: Option<String>,
 }
 
 /// Reads the JSON of a file, and finds the binary part of a `.glb`.
 pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, Fault> {
-    let (json, binary) = match bytes.starts_with(MAGIC) {
+    let Chunks {
+        json,
+        binary,
+        length,
+    } = match bytes.starts_with(MAGIC) {
         true => chunks(bytes)?,
-        false => (bytes, None),
+        false => Chunks {
+            json: bytes,
+            binary: None,
+            length: None,
+        },
     };
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     // Some fill up the JSON of a .glb with zeros.
@@ -133,7 +156,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, Fault> {
         None => Ok(Parsed {
             document,
             binary,
-            mended,
+            told: ToldOfFile { mended, length },
         }),
     }
 }
@@ -165,7 +188,7 @@ fn word_at(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 /// The first chunk, which is JSON, and the binary one after it.
-fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
+fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, Fault> {
     let short = || {
         Fault::at(
             format!("byte {}", bytes.len()),
@@ -177,11 +200,12 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         let what = format!("its version of binary glTF is {version}");
         return Err(Fault::unsupported(what, "export it as glTF 2.0"));
     }
-    let length = word_at(bytes, 8).ok_or_else(short)? as usize;
-    let Some(bytes) = bytes.get(..length) else {
-        let what = format!("{length} bytes are said to be there, {} are", bytes.len());
-        return Err(Fault::at("byte 8", what));
-    };
+    // Chunks say themselves where they end: what the head says of all of them is not needed.
+    let said = word_at(bytes, 8).ok_or_else(short)? as usize;
+    let there = bytes.len();
+    let mut length = (said != there).then(|| {
+        format!("{said} bytes are said to be there, {there} are: those that exist are read")
+    });
     let mut at = HEADER_BYTES;
     let json = chunk(bytes, &mut at, JSON_CHUNK)?.ok_or_else(|| {
         Fault::at(
@@ -196,10 +220,20 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
         at = aligned;
         binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
     }
-    Ok((json, binary))
+    if at > there {
+        length.get_or_insert_with(|| {
+            "its last chunk ends beyond the file: the bytes that exist are read".to_owned()
+        });
+    }
+    Ok(Chunks {
+        json,
+        binary,
+        length,
+    })
 }
 
-/// The chunk at a place if it is of a kind; the place is then behind it.
+/// The chunk at a place if it is of a kind; the place is then behind it, which may be behind the
+/// file for a binary one.
 fn chunk<'a>(bytes: &'a [u8], at: &mut usize, kind: u32) -> Result<Option<&'a [u8]>, Fault> {
     let (Some(length), Some(found)) = (word_at(bytes, *at), word_at(bytes, *at + 4)) else {
         return Ok(None);
@@ -209,7 +243,8 @@ fn chunk<'a>(bytes: &'a [u8], at: &mut usize, kind: u32) -> Result<Option<&'a [u
     }
     let begin = *at + 8;
     let end = begin.saturating_add(length as usize);
-    let Some(chunk) = bytes.get(begin..end) else {
+    let cut = (kind == BINARY_CHUNK).then(|| &bytes[begin..]);
+    let Some(chunk) = bytes.get(begin..end).or(cut) else {
         let left = bytes.len() - begin;
         let what = format!("a chunk of {length} bytes is said to follow, {left} do");
         return Err(Fault::at(format!("byte {at}"), what));

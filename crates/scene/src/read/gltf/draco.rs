@@ -16,7 +16,8 @@ const INDICES: u32 = 5125;
 const TRIANGLES: u32 = 4;
 
 /// Puts accessors of what they say in place of those of parts that are compressed.
-pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) -> Result<(), Fault> {
+/// A part that cannot be unpacked knows why.
+pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) {
     let mut known = HashMap::new();
     for mesh in 0..document.meshes.len() {
         for part in 0..document.meshes[mesh].primitives.len() {
@@ -29,22 +30,24 @@ pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) -> Resu
             // Parts may show the same in other materials.
             let part_of = (primitive.extensions.clone(), primitive.attributes.clone());
             match known.get(&part_of) {
-                Some((attributes, indices)) => {
+                Some((attributes, indices, broken)) => {
                     primitive.attributes = GltfAttributes::clone(attributes);
                     primitive.indices = *indices;
                     primitive.mode = Some(TRIANGLES);
                     primitive.extensions.draco = None;
+                    primitive.broken.clone_from(broken);
                 }
                 None => {
-                    unpack_part(document, buffers, &mut primitive, &place)?;
-                    let unpacked = (primitive.attributes.clone(), primitive.indices);
+                    let done = unpack_part(document, buffers, &mut primitive, &place);
+                    primitive.broken = done.err().map(Box::new);
+                    let attributes = primitive.attributes.clone();
+                    let unpacked = (attributes, primitive.indices, primitive.broken.clone());
                     known.insert(part_of, unpacked);
                 }
             }
             document.meshes[mesh].primitives[part] = primitive;
         }
     }
-    Ok(())
 }
 
 fn unpack_part(

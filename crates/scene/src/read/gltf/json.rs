@@ -3,6 +3,7 @@
 //! Only this is read, so that a file is never refused for what is not drawn anyway. Source:
 //! Khronos, "glTF 2.0 Specification", section 5.
 
+use super::super::error::Fault;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
@@ -116,6 +117,9 @@ pub(super) struct Primitive {
     pub(super) mode: Option<u32>,
     pub(super) targets: Vec<GltfAttributes>,
     pub(super) extensions: PrimitiveExtensions,
+    /// Why it could not be unpacked.
+    #[serde(skip)]
+    pub(super) broken: Option<Box<Fault>>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Deserialize)]
@@ -238,6 +242,9 @@ pub(super) struct Skin {
     pub(super) joints: Vec<u32>,
 }
 
+/// Light of what is black.
+const DARKEST: f64 = 1e-3;
+
 /// A material, as glTF says it.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -248,7 +255,8 @@ pub(super) struct GltfMaterial {
     pub(super) alpha_cutoff: Option<f64>,
     pub(super) normal_texture: Option<IgnoredAny>,
     pub(super) occlusion_texture: Option<IgnoredAny>,
-    pub(super) emissive_texture: Option<IgnoredAny>,
+    pub(super) emissive_texture: Option<TextureNamed>,
+    pub(super) emissive_factor: Option<[f64; 3]>,
     pub(super) double_sided: bool,
     pub(super) extensions: MaterialExtensions,
 }
@@ -279,8 +287,28 @@ impl GltfMaterial {
         said.filter(|it| it.factor.is_some() || it.texture.is_some())
     }
 
+    /// Whether it is black but for the light that it gives off, which is its colour then.
+    pub(super) fn is_light(&self) -> bool {
+        let is_black = self.own_factor()[..3].iter().all(|it| *it < DARKEST);
+        is_black && self.emitted().iter().any(|it| *it > DARKEST)
+    }
+
+    /// What light it gives off.
+    pub(super) fn emitted(&self) -> [f64; 3] {
+        self.emissive_factor.unwrap_or([0.0; 3])
+    }
+
     /// What its colour is multiplied with.
     pub(super) fn factor(&self) -> [f64; 4] {
+        let own = self.own_factor();
+        let [red, green, blue] = self.emitted();
+        match self.is_light() {
+            true => [red, green, blue, own[3]],
+            false => own,
+        }
+    }
+
+    fn own_factor(&self) -> [f64; 4] {
         let factor = match self.glossiness() {
             Some(said) => said.factor,
             None => self.pbr_metallic_roughness.factor,
@@ -290,6 +318,9 @@ impl GltfMaterial {
 
     /// The texture of its colour.
     pub(super) fn texture(&self) -> Option<&TextureNamed> {
+        if self.is_light() {
+            return self.emissive_texture.as_ref();
+        }
         match self.glossiness() {
             Some(said) => said.texture.as_ref(),
             None => self.pbr_metallic_roughness.texture.as_ref(),

@@ -2,7 +2,8 @@
 //!
 //! Only what is no glTF as it stands comes here. Mended are numbers such as `81.0` where a whole
 //! one is asked for, line breaks in texts, members that are `null`, numbers of nothing (`-1`),
-//! commas before a closing bracket, comments, and numbers that JSON has not (`NaN`).
+//! commas before a closing bracket, comments, numbers that JSON has not (`NaN`), and numbers that
+//! are written as texts.
 
 /// Members whose value is the number of something: below 0 they name nothing.
 const NUMBERS: [&[u8]; 12] = [
@@ -19,6 +20,21 @@ const NUMBERS: [&[u8]; 12] = [
     b"NORMAL",
     b"COLOR_0",
 ];
+/// Members whose value is a text, also where it looks like a number.
+const TEXTS: [&[u8]; 10] = [
+    b"name",
+    b"uri",
+    b"version",
+    b"minVersion",
+    b"generator",
+    b"copyright",
+    b"type",
+    b"mimeType",
+    b"mode",
+    b"filter",
+];
+/// Members that are true or false.
+const TRUTHS: [&[u8]; 2] = [b"doubleSided", b"normalized"];
 /// The largest whole number that a `float` of 64 bits tells exactly.
 const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
@@ -117,8 +133,43 @@ impl Writer {
         }
         self.out.push(b'"');
         let next = rest.iter().find(|byte| !byte.is_ascii_whitespace());
-        self.member = (next == Some(&b':')).then_some((start, begun));
+        let is_name = next == Some(&b':');
+        if !is_name && !self.names_one_of(&TEXTS) && self.is_number_from(begun) {
+            self.mended += 1;
+            let text = self.out.split_off(begun);
+            let text = &text[1..text.len() - 1];
+            let number = std::str::from_utf8(text)
+                .ok()
+                .and_then(|it| it.parse::<f64>().ok());
+            match number.filter(|it| it.fract() == 0.0 && it.abs() < MOST_EXACT) {
+                Some(whole) => self.out.extend((whole as i64).to_string().bytes()),
+                None => self.out.extend(text),
+            }
+        }
+        self.member = is_name.then_some((start, begun));
         rest
+    }
+
+    /// Whether the member whose value is next has one of these names.
+    fn names_one_of(&self, names: &[&[u8]]) -> bool {
+        let said = self.member.map(|(_, begun)| &self.out[begun..]);
+        said.is_some_and(|said| {
+            let said = said.strip_prefix(b"\"").unwrap_or(said);
+            names
+                .iter()
+                .any(|it| said.starts_with(it) && said[it.len()..].starts_with(b"\":"))
+        })
+    }
+
+    /// Whether the text that was written from a place on is a number, or true or false.
+    fn is_number_from(&self, begun: usize) -> bool {
+        let text = &self.out[begun + 1..self.out.len() - 1];
+        let digits = |byte: &u8| byte.is_ascii_digit() || b"+-.eE".contains(byte);
+        let is_number = text.iter().all(digits) && text.first() != Some(&b'+');
+        let number = std::str::from_utf8(text)
+            .ok()
+            .and_then(|it| it.parse::<f64>().ok());
+        is_number && number.is_some() || text == b"true" || text == b"false"
     }
 
     /// Writes a number or a word of letters, and gives what follows it.
@@ -129,16 +180,9 @@ impl Writer {
         let number = std::str::from_utf8(word)
             .ok()
             .and_then(|it| it.parse::<f64>().ok());
+        let names_nothing = number.is_some_and(|it| it < 0.0) && self.names_one_of(&NUMBERS);
+        let is_truth = matches!(word, b"0" | b"1") && self.names_one_of(&TRUTHS);
         let member = self.member.take();
-        let name = member.map(|(_, begun)| self.out[begun..].to_vec());
-        let is_of_one = |name: &Vec<u8>| {
-            let name = name.strip_prefix(b"\"").unwrap_or(name);
-            NUMBERS
-                .iter()
-                .any(|it| name.starts_with(it) && name[it.len()..].starts_with(b"\":"))
-        };
-        let names_nothing =
-            number.is_some_and(|it| it < 0.0) && name.is_some_and(|it| is_of_one(&it));
         let is_none = word == b"null" || names_nothing || number.is_some_and(|it| !it.is_finite());
         if let (true, Some((start, _))) = (is_none, member) {
             self.mended += 1;
@@ -147,6 +191,11 @@ impl Writer {
         }
         self.begin();
         match number {
+            Some(number) if is_truth => {
+                self.mended += 1;
+                let truth: &[u8] = if number > 0.0 { b"true" } else { b"false" };
+                self.out.extend(truth);
+            }
             Some(number) if !number.is_finite() => {
                 self.mended += 1;
                 self.out.push(b'0');
@@ -195,6 +244,16 @@ mod tests {
                 2,
             ),
             (r#"{"a": NaN, "b": [NaN, -inf]}"#, r#"{"b":[0,0]}"#, 4),
+            (
+                r#"{"count": "81", "name": "81", "at": ["1", "-2.5e0", "x"]}"#,
+                r#"{"count":81,"name":"81","at":[1,-2.5e0,"x"]}"#,
+                3,
+            ),
+            (
+                r#"{"doubleSided": 1, "normalized": "true", "count": 1}"#,
+                r#"{"doubleSided":true,"normalized":true,"count":1}"#,
+                2,
+            ),
         ] {
             let (found, mended) = mended(said.as_bytes());
             assert_eq!(String::from_utf8_lossy(&found), told, "{said}");

@@ -6,7 +6,10 @@ use glam::DVec3;
 
 use super::super::colour::Depth;
 use super::super::error::Fault;
-use super::super::mends::{COLOUR_MADE, FAN_FILLED, Mends, POINT_WITHOUT_PLACE};
+use super::super::mends::{
+    ATTRIBUTE_LEFT, ATTRIBUTE_LENGTH, COLOUR_MADE, FAN_FILLED, MATERIAL_NOT_FOUND, Mends,
+    PART_LEFT, POINT_WITHOUT_PLACE, SHAPE_LEFT,
+};
 use super::super::outliers;
 use super::super::polygon::{Filler, Filling, tell};
 use super::super::sound::count;
@@ -44,6 +47,10 @@ pub(super) struct MeshReader<'a> {
     pub(super) points: MeshPoints,
     /// Vertices and corners that were read.
     pub(super) spent: usize,
+    /// Whether they were too many for the file.
+    pub(super) is_spent: bool,
+    /// Why the first part that was left out cannot be read.
+    pub(super) first_fault: Option<Fault>,
 }
 
 /// Points of a mesh: where they lie, and their colours in linear light.
@@ -54,6 +61,12 @@ pub(super) struct MeshPoints {
 }
 
 impl MeshPoints {
+    /// Takes away those after the first ones.
+    fn cut(&mut self, points: usize) {
+        self.positions.truncate(points);
+        self.colours.truncate(points);
+    }
+
     /// As clouds; none where there are no points.
     pub(super) fn clouds(&self, name: &str, scene: &mut SourceScene) -> Vec<SourceCloud> {
         if self.positions.is_empty() {
@@ -90,19 +103,37 @@ struct Vertices {
 }
 
 impl MeshReader<'_> {
-    /// Reads mesh `number`; it may have no triangle.
+    /// Why the first part, or else the first buffer, that is not there cannot be read.
+    pub(super) fn fault(&mut self) -> Option<Fault> {
+        let of_part = self.first_fault.take();
+        of_part.or_else(|| self.accessors.buffers.first_fault())
+    }
+
+    /// Reads mesh `number`, which exists; it may have no triangle. Parts that cannot be read are
+    /// left out; refused is what tells of far more than the file has.
     pub(super) fn read(&mut self, number: u32) -> Result<SourceMesh, Fault> {
-        let meshes = &self.accessors.document.meshes;
-        let Some(said) = meshes.get(number as usize) else {
-            let what = format!("there are only {} meshes", meshes.len());
-            return Err(Fault::at(format!("mesh {number}"), what));
-        };
+        let said = &self.accessors.document.meshes[number as usize];
         self.points = MeshPoints::default();
         let mut mesh = SourceMesh::default();
         let mut met = HashMap::new();
         for (index, primitive) in said.primitives.iter().enumerate() {
             let place = format!("mesh {number}, primitive {index}");
-            self.add(&mut mesh, &mut met, (primitive, &said.weights), &place)?;
+            let before = Lengths::of(&mesh);
+            let points = self.points.positions.len();
+            match self.add(&mut mesh, &mut met, (primitive, &said.weights), &place) {
+                Ok(()) => {}
+                Err(fault) if self.is_spent => return Err(fault),
+                Err(fault) => {
+                    before.cut(&mut mesh);
+                    let there = mesh.positions.len();
+                    met.retain(|_, it| it.first + it.count <= there);
+                    self.points.cut(points);
+                    let what = fault.clone().told();
+                    self.mends
+                        .add(PART_LEFT, 1, || format!("is {place} ({what})"));
+                    self.first_fault.get_or_insert(fault);
+                }
+            }
         }
         Ok(mesh)
     }
@@ -114,11 +145,17 @@ impl MeshReader<'_> {
         (primitive, weights): (&Primitive, &[f64]),
         place: &str,
     ) -> Result<(), Fault> {
-        let material = primitive.material.unwrap_or(self.without_material);
-        let Some(opaque) = self.opaque.get(material as usize) else {
-            let what = format!("names material {material}, which is not there");
-            return Err(Fault::at(place, what));
-        };
+        if let Some(fault) = &primitive.broken {
+            return Err(Fault::clone(fault));
+        }
+        let said = primitive.material.unwrap_or(self.without_material);
+        let is_lost = said > self.without_material;
+        self.mends
+            .add(MATERIAL_NOT_FOUND, usize::from(is_lost), || {
+                format!("is {said}, in {place}")
+            });
+        let material = said.min(self.without_material);
+        let opaque = self.opaque[material as usize];
         let uv_set = self.uv_sets.get(material as usize).copied().flatten();
         let Some(positions) = primitive.attributes.position else {
             count(&mut self.repairs, "primitives_without_positions", 1);
@@ -129,7 +166,7 @@ impl MeshReader<'_> {
             normals: primitive.attributes.normal,
             colours: primitive.attributes.colour,
             uvs: uv_set.and_then(|set| primitive.attributes.uvs(set)),
-            opaque: *opaque,
+            opaque,
         };
         if primitive.mode == Some(POINTS) {
             return self.add_points(primitive, (streams, material), place);
@@ -226,6 +263,7 @@ impl MeshReader<'_> {
         if self.spent <= most {
             return Ok(());
         }
+        self.is_spent = true;
         let what = format!(
             "{} vertices and corners are made of only {bytes} bytes up to here",
             self.spent
@@ -250,23 +288,21 @@ impl MeshReader<'_> {
                 "the mesh has more vertices than 4294967295",
             ));
         }
-        self.check_lengths(streams, count)?;
+        let (normals, colours, uvs) = self.beside_places(streams, count, place)?;
         mesh.positions
             .extend(positions.into_iter().map(DVec3::from_array));
-        if let Some(number) = streams.normals {
-            let normals = self.accessors.rows::<3>(number, &[3])?.into_iter();
+        if let Some(normals) = normals {
             // Those without one are made of the triangles around them.
             mesh.normals.resize(first, [0.0; 3]);
-            mesh.normals
-                .extend(normals.map(|normal| normal.map(|along| along as f32)));
+            mesh.normals.extend(normals);
         }
-        if let Some(number) = streams.colours {
+        if let Some(colours) = colours {
             mesh.colours.resize(first, WHITE);
-            mesh.colours.extend(self.colours(number, streams.opaque)?);
+            mesh.colours.extend(colours);
         }
-        if let Some(number) = streams.uvs {
+        if let Some(uvs) = uvs {
             mesh.uvs.resize(first, [0.0; 2]);
-            mesh.uvs.extend(self.uvs(number)?);
+            mesh.uvs.extend(uvs);
         }
         fill(&mut mesh.normals, first + count, [0.0; 3]);
         fill(&mut mesh.uvs, first + count, [0.0; 2]);
@@ -285,21 +321,26 @@ impl MeshReader<'_> {
         let Vertices { first, count } = vertices;
         for (shape, weight) in moves {
             for number in [shape.position, shape.normal].into_iter().flatten() {
-                let found = self.accessors.count(number)?;
-                if found != count as u64 {
-                    let what = format!("has {found} elements, but moves {count} vertices");
-                    return Err(Fault::at(format!("accessor {number}"), what));
-                }
-                self.spend(found, place)?;
+                self.spend(self.accessors.count(number).unwrap_or(0), place)?;
             }
-            if let Some(number) = shape.position {
-                let steps = self.accessors.rows::<3>(number, &[3])?;
+            let steps = |number: Option<u32>| {
+                let fits = number.map(|it| self.accessors.count(it)) == Some(Ok(count as u64));
+                let rows = number.filter(|_| fits);
+                rows.and_then(|it| self.accessors.rows::<3>(it, &[3]).ok())
+            };
+            let (places, normals) = (steps(shape.position), steps(shape.normal));
+            let lost = [
+                shape.position.is_some() && places.is_none(),
+                shape.normal.is_some() && normals.is_none(),
+            ];
+            let lost = lost.iter().filter(|it| **it).count();
+            self.mends.add(SHAPE_LEFT, lost, || format!("in {place}"));
+            if let Some(steps) = places {
                 for (position, step) in mesh.positions[first..].iter_mut().zip(steps) {
                     *position += DVec3::from_array(step) * *weight;
                 }
             }
-            if let (Some(number), false) = (shape.normal, mesh.normals.is_empty()) {
-                let steps = self.accessors.rows::<3>(number, &[3])?;
+            if let (Some(steps), false) = (normals, mesh.normals.is_empty()) {
                 for (normal, step) in mesh.normals[first..].iter_mut().zip(steps) {
                     *normal = [0, 1, 2].map(|k| normal[k] + (step[k] * *weight) as f32);
                 }
@@ -308,20 +349,58 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Refuses streams of different lengths before they are read.
-    fn check_lengths(&self, streams: Streams, count: usize) -> Result<(), Fault> {
+    /// What vertices have beside a place, one of each a vertex; what cannot be read is left out.
+    fn beside_places(
+        &mut self,
+        streams: Streams,
+        count: usize,
+        place: &str,
+    ) -> Result<BesidePlaces, Fault> {
         let lists = [streams.normals, streams.colours, streams.uvs];
         for number in lists.into_iter().flatten() {
-            let found = self.accessors.count(number)?;
-            if found != count as u64 {
-                let what = format!(
-                    "has {found} elements, but accessor {} has {count} positions",
-                    streams.positions
-                );
-                return Err(Fault::at(format!("accessor {number}"), what));
+            let found = self.accessors.count(number).unwrap_or(0);
+            self.spend(found.saturating_sub(count as u64), place)?;
+        }
+        let lone = [f32::NAN; 2];
+        let normals = streams.normals.map(|it| self.normals(it));
+        let normals = self.fitting(normals, (count, [0.0; 3]), place);
+        let colours = streams.colours.map(|it| self.colours(it, streams.opaque));
+        let colours = self.fitting(colours, (count, WHITE), place);
+        let uvs = streams.uvs.map(|it| self.uvs(it));
+        Ok((normals, colours, self.fitting(uvs, (count, lone), place)))
+    }
+
+    /// A list of one a vertex, of one that may be longer or shorter.
+    fn fitting<T: Clone>(
+        &mut self,
+        read: Option<Result<Vec<T>, Fault>>,
+        (count, without): (usize, T),
+        place: &str,
+    ) -> Option<Vec<T>> {
+        match read? {
+            Ok(mut list) => {
+                let length = list.len();
+                let is_odd = usize::from(length != count);
+                self.mends.add(ATTRIBUTE_LENGTH, is_odd, || {
+                    format!("in {place}, of {length} for {count} vertices")
+                });
+                list.resize(count, without);
+                Some(list)
+            }
+            Err(fault) => {
+                let what = fault.told();
+                self.mends
+                    .add(ATTRIBUTE_LEFT, 1, || format!("in {place} ({what})"));
+                None
             }
         }
-        Ok(())
+    }
+
+    fn normals(&self, number: u32) -> Result<Vec<[f32; 3]>, Fault> {
+        let normals = self.accessors.rows::<3>(number, &[3])?.into_iter();
+        Ok(normals
+            .map(|normal| normal.map(|along| along as f32))
+            .collect())
     }
 
     fn uvs(&self, number: u32) -> Result<Vec<[f32; 2]>, Fault> {
@@ -423,6 +502,39 @@ impl MeshReader<'_> {
             _ => return Err(format!("its mode is {mode}, which is none")),
         }
         Ok(())
+    }
+}
+
+/// Normals, colours and places on textures.
+type BesidePlaces = (
+    Option<Vec<[f32; 3]>>,
+    Option<Vec<[f32; 4]>>,
+    Option<Vec<[f32; 2]>>,
+);
+
+/// How long the lists of a mesh are.
+struct Lengths([usize; 6]);
+
+impl Lengths {
+    fn of(mesh: &SourceMesh) -> Self {
+        Self([
+            mesh.positions.len(),
+            mesh.normals.len(),
+            mesh.colours.len(),
+            mesh.uvs.len(),
+            mesh.triangles.len(),
+            mesh.materials.len(),
+        ])
+    }
+
+    /// Takes away what was added since.
+    fn cut(&self, mesh: &mut SourceMesh) {
+        mesh.positions.truncate(self.0[0]);
+        mesh.normals.truncate(self.0[1]);
+        mesh.colours.truncate(self.0[2]);
+        mesh.uvs.truncate(self.0[3]);
+        mesh.triangles.truncate(self.0[4]);
+        mesh.materials.truncate(self.0[5]);
     }
 }
 

@@ -9,39 +9,56 @@ use meshoptimizer_rs::codec::{
 use meshoptimizer_rs::{Error, Workspace};
 
 use super::super::error::Fault;
+use super::super::mends::{Mends, PACKED_LEFT};
 use super::super::text::shortened;
 use super::buffers::Buffers;
 use super::json::{Document, MeshoptView, View};
 
-/// Puts what they say in place of views that are compressed.
-pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>) -> Result<(), Fault> {
+/// Puts what they say in place of views that are compressed; of those that cannot be unpacked,
+/// nothing.
+pub(super) fn unpack(document: &mut Document, buffers: &mut Buffers<'_>, mends: &mut Mends) {
     let mut workspace = Workspace::default();
     for number in 0..document.buffer_views.len() {
         let Some(said) = document.buffer_views[number].extensions.meshopt().cloned() else {
             continue;
         };
-        let place = || format!("buffer view {number}");
-        let source = View {
-            buffer: said.buffer,
-            byte_offset: said.byte_offset,
-            byte_length: said.byte_length,
-            ..View::default()
-        };
-        let bytes = said.count.saturating_mul(said.byte_stride);
-        let told = document.buffer_views[number].byte_length;
-        if told != bytes {
-            let (count, stride) = (said.count, said.byte_stride);
-            let what = format!("has {told} bytes, but {count} elements of {stride} compressed");
-            return Err(Fault::at(place(), what));
-        }
-        buffers.allow(bytes, &place())?;
-        let unpacked = decoded(&said, buffers.part(&source, &place)?, &mut workspace);
-        let unpacked = unpacked.map_err(|what| Fault::at(place(), what))?;
+        let unpacked = unpacked(document, number, &said, buffers, &mut workspace);
+        let buffer = unpacked.unwrap_or_else(|fault| {
+            let what = fault.clone().what();
+            mends.add(PACKED_LEFT, 1, || format!("is {what}"));
+            buffers.add_lost(fault)
+        });
         let view = &mut document.buffer_views[number];
-        view.buffer = buffers.add(unpacked);
-        view.byte_offset = 0;
+        (view.buffer, view.byte_offset) = (buffer, 0);
     }
-    Ok(())
+}
+
+/// The number of a buffer of what a compressed view says.
+fn unpacked(
+    document: &Document,
+    number: usize,
+    said: &MeshoptView,
+    buffers: &mut Buffers<'_>,
+    workspace: &mut Workspace,
+) -> Result<u32, Fault> {
+    let place = || format!("buffer view {number}");
+    let source = View {
+        buffer: said.buffer,
+        byte_offset: said.byte_offset,
+        byte_length: said.byte_length,
+        ..View::default()
+    };
+    let bytes = said.count.saturating_mul(said.byte_stride);
+    let told = document.buffer_views[number].byte_length;
+    if told != bytes {
+        let (count, stride) = (said.count, said.byte_stride);
+        let what = format!("has {told} bytes, but {count} elements of {stride} compressed");
+        return Err(Fault::at(place(), what));
+    }
+    buffers.allow(bytes, &place())?;
+    let unpacked = decoded(said, buffers.part(&source, &place)?, workspace);
+    let unpacked = unpacked.map_err(|what| Fault::at(place(), what))?;
+    Ok(buffers.add(unpacked))
 }
 
 /// The bytes of a compressed view.

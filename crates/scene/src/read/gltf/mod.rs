@@ -12,11 +12,12 @@ mod nodes;
 mod sharing;
 mod textures;
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
 use super::error::Fault;
-use super::mends::Mends;
+use super::mends::{Mends, VIEW_CUT};
 use super::polygon::Filler;
 use super::search::Folder;
 use super::sound::count;
@@ -24,8 +25,8 @@ use super::text::shortened;
 use crate::source::{Material, Repairs, SourceObject, SourceScene};
 use accessor::Accessors;
 use buffers::Buffers;
-use container::Parsed;
-use json::{Document, GltfMaterial};
+use container::{Parsed, ToldOfFile};
+use json::{Document, GltfMaterial, View};
 use mesh::{MeshPoints, MeshReader};
 use textures::{TextureReader, uv_set};
 
@@ -35,30 +36,24 @@ pub(super) fn read(
     name: &str,
     folder: &mut dyn Folder,
 ) -> Result<SourceScene, Fault> {
-    let (document, buffers, mended) = opened(bytes, folder)?;
+    let Opened {
+        document,
+        buffers,
+        mut mends,
+        told,
+    } = opened(bytes, folder)?;
     let accessors = Accessors {
         document: &document,
         buffers,
+        notes: RefCell::default(),
     };
     let mut scene = SourceScene::default();
-    tell_mends(mended, accessors.buffers.short, &mut scene);
-    let mut materials = materials(&accessors, folder, &mut scene);
-    let mut meshes = MeshReader {
-        accessors: &accessors,
-        opaque: opaque(&document),
-        uv_sets: document.materials.iter().map(uv_set).collect(),
-        without_material: materials.len() as u32,
-        repairs: Repairs::new(),
-        remarks: Vec::new(),
-        mends: Mends::default(),
-        filler: Filler::default(),
-        factors: materials.iter().map(|it| it.colour).collect(),
-        points: MeshPoints::default(),
-        spent: 0,
-    };
+    told.tell(accessors.buffers.short, &mut scene);
+    let mut materials = materials(&accessors, name, folder, &mut scene);
+    let mut meshes = mesh_reader(&accessors, &materials);
     let mut object_of: HashMap<u32, usize> = HashMap::new();
     let mut clouds_of: HashMap<u32, Range<usize>> = HashMap::new();
-    for shown in nodes::shown(&accessors)? {
+    for shown in nodes::shown(&accessors, &mut mends)? {
         if let Some(object) = object_of.get(&shown.mesh) {
             let object: &mut SourceObject = &mut scene.objects[*object];
             if object.placements.len() == 1 {
@@ -74,7 +69,7 @@ pub(super) fn read(
         }
         scene.meshes.push(meshes.read(shown.mesh)?);
         object_of.insert(shown.mesh, scene.objects.len());
-        let of_node = document.nodes[shown.node].name.as_deref();
+        let of_node = shown.node.and_then(|it| document.nodes[it].name.as_deref());
         let name = object_name(&document, shown.mesh, of_node, name);
         let first = scene.clouds.len();
         let clouds = meshes.points.clouds(&name, &mut scene);
@@ -92,40 +87,93 @@ pub(super) fn read(
     let mut used = scene.meshes.iter().flat_map(|mesh| &mesh.materials);
     let is_used = used.any(|it| *it == meshes.without_material);
     materials.extend(is_used.then(Material::default));
+    let fault = meshes.fault();
     scene.repairs.extend(meshes.repairs);
     meshes.remarks.into_iter().for_each(|it| scene.remark(it));
+    let is_empty = scene.meshes.iter().all(|it| it.triangles.is_empty());
+    if let (true, true, Some(fault)) = (is_empty, scene.clouds.is_empty(), fault) {
+        return Err(fault);
+    }
+    mends.tell(name, &mut scene);
     meshes.mends.tell(name, &mut scene);
+    accessors.notes.into_inner().mends.tell(name, &mut scene);
     scene.materials = materials;
     add_remarks(&mut scene, &document, object_of.keys());
     Ok(scene)
 }
 
-/// A document and its buffers, unpacked, and how much of its JSON was mended.
-fn opened<'a>(
-    bytes: &'a [u8],
-    folder: &mut dyn Folder,
-) -> Result<(Document, Buffers<'a>, usize), Fault> {
+/// What reads meshes whose parts have these materials, and has read none.
+fn mesh_reader<'a>(accessors: &'a Accessors<'a>, materials: &[Material]) -> MeshReader<'a> {
+    let document = accessors.document;
+    MeshReader {
+        accessors,
+        opaque: opaque(document),
+        uv_sets: document.materials.iter().map(uv_set).collect(),
+        without_material: materials.len() as u32,
+        repairs: Repairs::new(),
+        remarks: Vec::new(),
+        mends: Mends::default(),
+        filler: Filler::default(),
+        factors: materials.iter().map(|it| it.colour).collect(),
+        points: MeshPoints::default(),
+        spent: 0,
+        is_spent: false,
+        first_fault: None,
+    }
+}
+
+/// A document and its buffers, unpacked.
+struct Opened<'a> {
+    document: Document,
+    buffers: Buffers<'a>,
+    mends: Mends,
+    told: ToldOfFile,
+}
+
+fn opened<'a>(bytes: &'a [u8], folder: &mut dyn Folder) -> Result<Opened<'a>, Fault> {
     let Parsed {
         mut document,
         binary,
-        mended,
+        told,
     } = container::parse(bytes)?;
     sharing::share_meshes(&mut document);
-    let mut buffers = Buffers::read(&document, binary, folder)?;
-    meshopt::unpack(&mut document, &mut buffers)?;
-    draco::unpack(&mut document, &mut buffers)?;
-    Ok((document, buffers, mended))
+    let mut buffers = Buffers::read(&document, binary, folder);
+    let mut mends = Mends::default();
+    let cut = |(view, number): (&View, u32)| buffers.is_cut(view).then_some(number);
+    let cut: Vec<u32> = document
+        .buffer_views
+        .iter()
+        .zip(0..)
+        .filter_map(cut)
+        .collect();
+    let place = || format!("is buffer view {}", cut.first().unwrap_or(&0));
+    mends.add(VIEW_CUT, cut.len(), place);
+    meshopt::unpack(&mut document, &mut buffers, &mut mends);
+    draco::unpack(&mut document, &mut buffers);
+    Ok(Opened {
+        document,
+        buffers,
+        mends,
+        told,
+    })
 }
 
-/// Tells how much of the JSON was mended, and how many buffers were shorter than said.
-fn tell_mends(mended: usize, short: usize, scene: &mut SourceScene) {
-    count(&mut scene.repairs, "json_mended", mended);
-    if mended > 0 {
-        scene.remark("the JSON of the file breaks its rules in places, which were mended");
-    }
-    count(&mut scene.repairs, "short_buffers", short);
-    if short > 0 {
-        scene.remark("buffers have fewer bytes than the file says: what is there is shown");
+impl ToldOfFile {
+    /// Tells how much of the JSON was mended, whether the file is as long as it says, and how many
+    /// buffers were shorter than said.
+    fn tell(&self, short: usize, scene: &mut SourceScene) {
+        count(&mut scene.repairs, "json_mended", self.mended);
+        if self.mended > 0 {
+            scene.remark("the JSON of the file breaks its rules in places, which were mended");
+        }
+        if let Some(length) = &self.length {
+            count(&mut scene.repairs, "lengths_mended", 1);
+            scene.remark(length.as_str());
+        }
+        count(&mut scene.repairs, "short_buffers", short);
+        if short > 0 {
+            scene.remark("buffers have fewer bytes than the file says: what is there is shown");
+        }
     }
 }
 
@@ -151,6 +199,7 @@ fn is_opaque(said: &GltfMaterial) -> bool {
 
 fn materials(
     accessors: &Accessors<'_>,
+    name: &str,
     folder: &mut dyn Folder,
     scene: &mut SourceScene,
 ) -> Vec<Material> {
@@ -158,13 +207,25 @@ fn materials(
         accessors,
         folder,
         images: HashMap::new(),
+        mends: Mends::default(),
     };
     let all = accessors.document.materials.iter();
     let read = all.map(|said| Material {
         texture: textures.read(said, scene),
         ..material(said)
     });
-    read.collect()
+    let read = read.collect();
+    let lights = accessors.document.materials.iter();
+    let lights = lights.filter(|it| it.is_light()).count();
+    count(&mut scene.repairs, "lights_shown_as_colours", lights);
+    if lights > 0 {
+        scene.remark(
+            "materials that are black but for the light that they give off are shown in the \
+             colour of that light",
+        );
+    }
+    textures.mends.tell(name, scene);
+    read
 }
 
 fn material(said: &GltfMaterial) -> Material {
@@ -229,7 +290,7 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
             "shade in occlusion maps is not drawn",
         ),
         (
-            any(|it| it.emissive_texture.is_some()),
+            any(|it| !it.is_light() && it.emitted().iter().any(|it| *it > 0.0)),
             "light that surfaces give off is not drawn",
         ),
         (

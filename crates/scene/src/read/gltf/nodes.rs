@@ -3,6 +3,9 @@
 use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::super::error::Fault;
+use super::super::mends::{
+    Mends, NODE_IN_ITSELF, NODE_NOT_FOUND, NODE_SHARED, PLACE_MENDED, SCENE_NOT_FOUND,
+};
 use super::super::place::{MOST_PLACES, too_many};
 use super::accessor::Accessors;
 use super::json::{Document, InstanceAttributes, Node};
@@ -10,34 +13,54 @@ use super::json::{Document, InstanceAttributes, Node};
 /// A mesh at a place.
 pub(super) struct ShownMesh {
     pub(super) mesh: u32,
-    pub(super) node: usize,
+    /// The node that shows it; none in a file without nodes.
+    pub(super) node: Option<usize>,
     pub(super) world_from_mesh: DAffine3,
 }
 
-/// What the nodes of the scene show, parents before children.
-pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> {
+/// What the nodes of the scene show, parents before children. What they name that is not there, or
+/// has no meaning, is left out; refused are more places than a scene may have.
+pub(super) fn shown(accessors: &Accessors<'_>, mends: &mut Mends) -> Result<Vec<ShownMesh>, Fault> {
     let document = accessors.document;
-    let (order, world_from_node) = walk(document)?;
+    if document.nodes.is_empty() {
+        return Ok(without_nodes(document, mends));
+    }
+    let (order, world_from_node) = walk(document, mends)?;
     let mut all = Vec::new();
-    for node in order {
+    for (node, at) in order {
         let Some(mesh) = document.nodes[node].mesh else {
             continue;
         };
-        let rest = match document.nodes[node].skin {
-            Some(skin) => world_from_skinned(accessors, skin, &world_from_node)?,
-            None => None,
-        };
-        let world_from_mesh = rest.unwrap_or(world_from_node[node]);
+        if mesh as usize >= document.meshes.len() {
+            mends.add(NODE_NOT_FOUND, 1, || {
+                format!("is mesh {mesh}, named by {}", place(node))
+            });
+            continue;
+        }
+        let skin = document.nodes[node].skin;
+        let rest = skin.map(|skin| world_from_skinned(accessors, skin, &world_from_node));
+        let rest = rest.transpose().unwrap_or_else(|what| {
+            mends.add(PLACE_MENDED, 1, || format!("is of {}: {what}", place(node)));
+            None
+        });
+        let world_from_mesh = rest.flatten().unwrap_or(at);
         let shown = |world_from_mesh| ShownMesh {
             mesh,
-            node,
+            node: Some(node),
             world_from_mesh,
         };
         match &document.nodes[node].extensions.instances {
             None if all.len() == MOST_PLACES => return Err(too_many()),
             None => all.push(shown(world_from_mesh)),
             Some(said) => {
-                let many = instances(accessors, &said.attributes, node, all.len())?;
+                let many = instances(accessors, &said.attributes, all.len())?;
+                let many = many.unwrap_or_else(|what| {
+                    mends.add(PLACE_MENDED, 1, || format!("is of {}: {what}", place(node)));
+                    vec![DAffine3::IDENTITY]
+                });
+                if all.len() + many.len() > MOST_PLACES {
+                    return Err(too_many());
+                }
                 all.extend(many.into_iter().map(|it| shown(world_from_mesh * it)));
             }
         }
@@ -45,31 +68,52 @@ pub(super) fn shown(accessors: &Accessors<'_>) -> Result<Vec<ShownMesh>, Fault> 
     Ok(all)
 }
 
-/// Where the instances of a node stand in it; `before` stand elsewhere.
+/// All meshes of a file without nodes.
+fn without_nodes(document: &Document, mends: &mut Mends) -> Vec<ShownMesh> {
+    let all = 0..document.meshes.len().min(MOST_PLACES) as u32;
+    mends.add(SCENE_NOT_FOUND, usize::from(!all.is_empty()), || {
+        "is one of all meshes, as there are no nodes".to_owned()
+    });
+    let shown = all.map(|mesh| ShownMesh {
+        mesh,
+        node: None,
+        world_from_mesh: DAffine3::IDENTITY,
+    });
+    shown.collect()
+}
+
+/// Where the instances of a node stand in it, or why that cannot be known; `before` stand
+/// elsewhere.
 fn instances(
     accessors: &Accessors<'_>,
     said: &InstanceAttributes,
-    node: usize,
     before: usize,
-) -> Result<Vec<DAffine3>, Fault> {
+) -> Result<Result<Vec<DAffine3>, String>, Fault> {
     let named = [said.translation, said.rotation, said.scale];
     let counts = named.into_iter().flatten().map(|it| accessors.count(it));
-    let counts = counts.collect::<Result<Vec<u64>, Fault>>()?;
-    let count = counts.first().copied().unwrap_or(0);
-    if counts.iter().any(|it| *it != count) {
-        let what = format!("its instances have {counts:?} numbers of elements, which differ");
-        return Err(Fault::at(place(node), what));
-    }
+    let counts = match counts.collect::<Result<Vec<u64>, Fault>>() {
+        Ok(counts) => counts,
+        Err(fault) => return Ok(Err(fault.what())),
+    };
+    let count = counts.iter().copied().min().unwrap_or(0);
     // Nodes may share what places their instances.
-    if count > (MOST_PLACES - before) as u64 {
+    if counts.iter().any(|it| *it > (MOST_PLACES - before) as u64) {
         return Err(too_many());
     }
-    let translations = rows(accessors, said.translation, [0.0; 3], count)?;
-    let rotations = rows(accessors, said.rotation, [0.0, 0.0, 0.0, 1.0], count)?;
-    let scales = rows(accessors, said.scale, [1.0; 3], count)?;
-    let all = translations.into_iter().zip(rotations).zip(scales);
-    all.map(|((translation, rotation), scale)| placed(translation, rotation, scale, node))
-        .collect()
+    let read = || -> Result<Vec<DAffine3>, Fault> {
+        let translations = rows(accessors, said.translation, [0.0; 3], count)?;
+        let rotations = rows(accessors, said.rotation, [0.0, 0.0, 0.0, 1.0], count)?;
+        let scales = rows(accessors, said.scale, [1.0; 3], count)?;
+        let all = translations.into_iter().zip(rotations).zip(scales);
+        // One whose rotation is none is not turned.
+        let place = |((translation, rotation), scale)| placed(translation, rotation, scale).0;
+        Ok(all.map(place).collect())
+    };
+    let all = read().map_err(Fault::what);
+    Ok(match counts.iter().any(|it| *it != count) {
+        true => Err(format!("its instances have {counts:?} numbers of elements")),
+        false => all,
+    })
 }
 
 /// The elements of an accessor, or as many as it would have of what stands in for it.
@@ -89,89 +133,126 @@ fn place(node: usize) -> String {
     format!("node {node}")
 }
 
-/// The nodes of the scene, and where each of all nodes stands in it.
-fn walk(document: &Document) -> Result<(Vec<usize>, Vec<DAffine3>), Fault> {
+/// Nodes with where they stand in the world.
+type Placed = Vec<(usize, DAffine3)>;
+
+/// What is next on a walk: a node below a parent, or the end of all that is below a node.
+enum Step {
+    Enter(u32, Option<usize>),
+    Leave(usize),
+}
+
+/// The nodes of the scene with where they stand, and where each of all nodes stands.
+fn walk(document: &Document, mends: &mut Mends) -> Result<(Placed, Vec<DAffine3>), Fault> {
     let nodes = &document.nodes;
     let mut world_from_node = vec![DAffine3::IDENTITY; nodes.len()];
-    let mut met = vec![false; nodes.len()];
+    let (mut met, mut is_above) = (vec![false; nodes.len()], vec![false; nodes.len()]);
     let mut order = Vec::new();
-    // Each with its parent.
-    let mut next: Vec<(u32, Option<usize>)> = Vec::new();
-    next.extend(roots(document)?.iter().rev().map(|root| (*root, None)));
-    while let Some((number, parent)) = next.pop() {
+    let roots = roots(document, mends);
+    let mut next: Vec<Step> = roots.iter().map(|root| Step::Enter(*root, None)).collect();
+    next.reverse();
+    while let Some(step) = next.pop() {
+        let (number, parent) = match step {
+            Step::Enter(number, parent) => (number, parent),
+            Step::Leave(node) => {
+                is_above[node] = false;
+                continue;
+            }
+        };
         let node = number as usize;
         let Some(said) = nodes.get(node) else {
-            let what = format!("is named, but there are only {} nodes", nodes.len());
-            return Err(Fault::at(place(node), what));
+            mends.add(NODE_NOT_FOUND, 1, || format!("is {}", place(node)));
+            continue;
         };
-        if met[node] {
-            let what = "is met twice in the scene: it has two parents, or is in itself";
-            return Err(Fault::at(place(node), what));
+        if is_above[node] {
+            mends.add(NODE_IN_ITSELF, 1, || format!("is {}", place(node)));
+            continue;
         }
-        met[node] = true;
-        let parent_from_node = parent_from_node(said, node)?;
+        let times = usize::from(met[node]);
+        mends.add(NODE_SHARED, times, || format!("is {}", place(node)));
+        // Nodes that are shared below shared ones are met ever more often.
+        if order.len() >= nodes.len() + MOST_PLACES {
+            return Err(too_many());
+        }
+        (met[node], is_above[node]) = (true, true);
+        let (parent_from_node, wrong) = parent_from_node(said);
+        if let Some(what) = wrong {
+            mends.add(PLACE_MENDED, 1, || format!("is of {}: {what}", place(node)));
+        }
         world_from_node[node] = match parent {
             Some(parent) => world_from_node[parent] * parent_from_node,
             None => parent_from_node,
         };
-        order.push(node);
+        order.push((node, world_from_node[node]));
+        next.push(Step::Leave(node));
         let children = said.children.iter().rev();
-        next.extend(children.map(|child| (*child, Some(node))));
+        next.extend(children.map(|child| Step::Enter(*child, Some(node))));
     }
     Ok((order, world_from_node))
 }
 
-/// The roots of the scene to show; without scenes, all nodes that are no child.
-fn roots(document: &Document) -> Result<Vec<u32>, Fault> {
-    if document.scenes.is_empty() {
-        let mut is_child = vec![false; document.nodes.len()];
-        for child in document.nodes.iter().flat_map(|node| &node.children) {
+/// The roots of the scene to show; without scenes, all nodes that are no child, or, where each is
+/// one of another, all.
+fn roots(document: &Document, mends: &mut Mends) -> Vec<u32> {
+    let number = document.scene.unwrap_or(0) as usize;
+    let scenes = &document.scenes;
+    let is_lost = number >= scenes.len() && !scenes.is_empty();
+    mends.add(SCENE_NOT_FOUND, usize::from(is_lost), || {
+        format!("is scene {number} of {}: scene 0 is shown", scenes.len())
+    });
+    if let Some(scene) = scenes.get(number).or(scenes.first()) {
+        return scene.nodes.clone();
+    }
+    let mut is_child = vec![false; document.nodes.len()];
+    for (node, at) in document.nodes.iter().zip(0..) {
+        for child in node.children.iter().filter(|it| **it != at) {
             if let Some(is_child) = is_child.get_mut(*child as usize) {
                 *is_child = true;
             }
         }
-        let all = 0..document.nodes.len() as u32;
-        return Ok(all.filter(|node| !is_child[*node as usize]).collect());
     }
-    let number = document.scene.unwrap_or(0);
-    let Some(scene) = document.scenes.get(number as usize) else {
-        let what = format!(
-            "is to be shown, but there are only {}",
-            document.scenes.len()
-        );
-        return Err(Fault::at(format!("scene {number}"), what));
-    };
-    Ok(scene.nodes.clone())
+    let all = 0..document.nodes.len() as u32;
+    let free: Vec<u32> = all
+        .clone()
+        .filter(|node| !is_child[*node as usize])
+        .collect();
+    match free.is_empty() {
+        true => all.take(1).collect(),
+        false => free,
+    }
 }
 
-fn parent_from_node(said: &Node, node: usize) -> Result<DAffine3, Fault> {
+/// Where a node stands below its parent, and what of that has no meaning.
+fn parent_from_node(said: &Node) -> (DAffine3, Option<&'static str>) {
     if let Some(matrix) = &said.matrix {
-        return affine(matrix)
-            .ok_or_else(|| Fault::at(place(node), "the last row of its matrix is not 0, 0, 0, 1"));
+        let what = "the last row of its matrix is not 0, 0, 0, 1";
+        return match affine(matrix) {
+            Some(affine) => (affine, None),
+            None => (
+                DAffine3::from_mat4(DMat4::from_cols_array(matrix)),
+                Some(what),
+            ),
+        };
     }
     let translation = said.translation.as_deref().copied().unwrap_or([0.0; 3]);
     let scale = said.scale.as_deref().copied().unwrap_or([1.0; 3]);
     let rotation = said.rotation.as_deref().copied();
     let rotation = rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    placed(translation, rotation, scale, node)
+    placed(translation, rotation, scale)
 }
 
+/// The same of its parts; a rotation that is none does not turn.
 fn placed(
     translation: [f64; 3],
     rotation: [f64; 4],
     scale: [f64; 3],
-    node: usize,
-) -> Result<DAffine3, Fault> {
-    let turn = DVec4::from_array(rotation);
-    let Some(turn) = turn.try_normalize() else {
-        let what = format!("its rotation is {turn}, which is none");
-        return Err(Fault::at(place(node), what));
-    };
-    Ok(DAffine3::from_scale_rotation_translation(
-        DVec3::from_array(scale),
-        DQuat::from_vec4(turn),
-        DVec3::from_array(translation),
-    ))
+) -> (DAffine3, Option<&'static str>) {
+    let turn = DVec4::from_array(rotation).try_normalize();
+    let wrong = turn.is_none().then_some("its rotation is none");
+    let turn = turn.map_or(DQuat::IDENTITY, DQuat::from_vec4);
+    let scale = DVec3::from_array(scale);
+    let placed = DAffine3::from_scale_rotation_translation(scale, turn, translation.into());
+    (placed, wrong)
 }
 
 fn affine(columns: &[f64; 16]) -> Option<DAffine3> {
@@ -188,10 +269,10 @@ fn world_from_skinned(
     accessors: &Accessors<'_>,
     skin: u32,
     world_from_node: &[DAffine3],
-) -> Result<Option<DAffine3>, Fault> {
+) -> Result<Option<DAffine3>, String> {
     let Some(said) = accessors.document.skins.get(skin as usize) else {
-        let what = format!("there are only {} skins", accessors.document.skins.len());
-        return Err(Fault::at(format!("skin {skin}"), what));
+        let count = accessors.document.skins.len();
+        return Err(format!("its skin {skin} is one of {count}"));
     };
     let joint = said
         .joints
@@ -203,7 +284,7 @@ fn world_from_skinned(
     let Some(matrices) = said.inverse_bind_matrices else {
         return Ok(Some(*world_from_joint));
     };
-    let first = accessors.first_matrix(matrices)?;
+    let first = accessors.first_matrix(matrices).map_err(Fault::what)?;
     let joint_from_mesh = first.as_ref().and_then(affine);
     Ok(joint_from_mesh.map(|joint_from_mesh| *world_from_joint * joint_from_mesh))
 }

@@ -16,6 +16,10 @@ pub(super) fn share_meshes(document: &mut Document) {
         *mesh = of.get(*mesh as usize).copied().unwrap_or(*mesh);
         shown.insert(*mesh);
     }
+    // Of a file without nodes all meshes are shown.
+    if document.nodes.is_empty() {
+        shown.extend(of);
+    }
     for (mesh, number) in document.meshes.iter_mut().zip(0..) {
         if !shown.contains(&number) {
             mesh.primitives = Vec::new();

@@ -6,6 +6,7 @@ use foveal_core::content::images::wrap::Wrap;
 use glam::{DAffine2, DMat2, DVec2};
 
 use super::super::error::Fault;
+use super::super::mends::{Mends, SAMPLER_NOT_FOUND};
 use super::super::search::Folder;
 use super::accessor::Accessors;
 use super::buffers::{bytes_of, is_inline};
@@ -23,6 +24,7 @@ pub(super) struct TextureReader<'a> {
     pub(super) folder: &'a mut dyn Folder,
     /// Where each of the file's images went; `None` for one that is missing.
     pub(super) images: HashMap<u32, Option<usize>>,
+    pub(super) mends: Mends,
 }
 
 impl TextureReader<'_> {
@@ -35,8 +37,12 @@ impl TextureReader<'_> {
         let named = material.texture()?;
         let document = self.accessors.document;
         let texture = document.textures.get(named.index as usize);
-        let image = self.image(texture.and_then(GltfTexture::image), scene)?;
+        let image = self.image(named.index, texture.and_then(GltfTexture::image), scene)?;
         let sampler = texture.and_then(|it| it.sampler);
+        let is_lost = sampler.is_some_and(|it| it as usize >= document.samplers.len());
+        let place = || format!("is sampler {}", sampler.unwrap_or(0));
+        self.mends
+            .add(SAMPLER_NOT_FOUND, usize::from(is_lost), place);
         let sampler = sampler.and_then(|it| document.samplers.get(it as usize));
         let wraps = sampler.map_or([None; 2], |it| [it.wrap_s, it.wrap_t]);
         let alpha = material.factor()[3];
@@ -57,7 +63,12 @@ impl TextureReader<'_> {
         })
     }
 
-    fn image(&mut self, number: Option<u32>, scene: &mut SourceScene) -> Option<usize> {
+    fn image(
+        &mut self,
+        texture: u32,
+        number: Option<u32>,
+        scene: &mut SourceScene,
+    ) -> Option<usize> {
         if let Some(known) = number.and_then(|it| self.images.get(&it)) {
             return *known;
         }
@@ -65,11 +76,15 @@ impl TextureReader<'_> {
         let said = number.and_then(|it| images.get(it as usize));
         let read = match said {
             Some(said) => self.bytes(said),
+            None if number.is_some() => Err(format!("there are only {} images", images.len())),
             None => Err("the file does not say which it is".to_owned()),
         };
         let names = said.map(|it| [&it.name, &it.uri]).into_iter().flatten();
         let mut names = names.flatten().filter(|it| !is_inline(it));
-        let name = names.next().cloned().unwrap_or_default();
+        let name = names.next().cloned().unwrap_or_else(|| match number {
+            Some(number) => format!("image {number}"),
+            None => format!("texture {texture}"),
+        });
         let image = match read {
             Ok(bytes) => {
                 let bytes = bytes.into();

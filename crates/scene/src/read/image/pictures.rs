@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::super::sound::count;
 use super::super::text::shortened;
-use super::{is_animated, measured};
+use super::{damage, is_animated, measured};
 use crate::source::{MaterialTexture, SourceScene};
 
 /// Texels of all pictures together, each as often as it is shown in another way, whatever their
@@ -63,6 +63,7 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
             moving.push(shortened(&image.name));
         }
     }
+    tell_damage(scene, &shown);
     count(&mut scene.repairs, "animated_images", moving.len());
     for name in moving.iter().take(MOST_NAMED) {
         scene.remark(format!(
@@ -76,6 +77,20 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
             "picture {image}, {name:?}, {what}; it is left out, and surfaces have their colour \
              alone"
         ));
+    }
+}
+
+/// Counts pictures that are shown although they are damaged, and says which.
+fn tell_damage(scene: &mut SourceScene, shown: &HashSet<usize>) {
+    let images = scene.images.iter().enumerate();
+    let shown = images.filter(|(number, _)| shown.contains(number));
+    let damaged = shown.filter_map(|(_, image)| Some((image, damage(&image.bytes)?)));
+    let damaged: Vec<_> = damaged
+        .map(|(image, what)| (shortened(&image.name), what))
+        .collect();
+    count(&mut scene.repairs, "damaged_images", damaged.len());
+    for (name, what) in damaged.iter().take(MOST_NAMED) {
+        scene.remark(format!("the picture {name:?} {what}"));
     }
 }
 

@@ -100,6 +100,16 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(texels)
 }
 
+/// Whether all texels have an alpha of their own that is 0.
+pub(super) fn is_clear(bytes: &[u8]) -> bool {
+    let Some(head) = head(bytes).filter(|it| it.kind == COLOURED && it.texel_bytes == 4) else {
+        return false;
+    };
+    let rest = bytes.get(head.texels_at..).unwrap_or_default();
+    let raw = raw_texels(&head, rest, head.size[0] * head.size[1]);
+    raw.is_some_and(|raw| raw.as_chunks::<4>().0.iter().all(|it| it[3] == 0))
+}
+
 impl Head {
     fn texel(&self, raw: &[u8], palette: &[u8]) -> Option<[u8; 4]> {
         match self.kind {

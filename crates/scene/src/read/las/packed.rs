@@ -130,19 +130,27 @@ impl Packed<'_> {
             return Err(header.wrong_count(&what));
         }
         let is_open = self.vlr.chunk_size() == ANY_SIZE;
-        if all < header.count && self.packing == Packing::Chunks && !is_open {
-            // How many the last chunk has is not known then.
-            return Err(header.wrong_count("the table of chunks counts fewer"));
-        }
+        let is_equal = self.packing == Packing::Chunks && !is_open;
         let mut first_fault = None;
         let (mut lost, mut broken) = (0, 0);
+        let mut all = all;
         for (number, chunk) in chunks.iter().enumerate() {
             let before = records.len();
-            match self.one(chunk, records) {
+            let is_last = is_equal && number + 1 == chunks.len();
+            // How many the last chunk has is not known where the header counts too many.
+            let read = match is_last && all < header.count {
+                true => Err("the header counts more points than chunks can hold".to_owned()),
+                false => self.one(chunk, records),
+            };
+            match read {
                 Ok(left) if left > MOST_LEFT && self.packing != Packing::Layers => {
                     mends.leave_behind(left as usize, header.count);
                 }
                 Ok(_) => {}
+                Err(_) if is_last => {
+                    records.truncate(before);
+                    all = all - chunk.points + self.surely(chunk, records);
+                }
                 Err(what) => {
                     records.truncate(before);
                     (lost, broken) = (lost + chunk.points, broken + 1);
@@ -177,6 +185,24 @@ impl Packed<'_> {
             Ordering::Equal => {}
         }
         Ok(())
+    }
+
+    /// Unpacks the points of a chunk of unknown number that surely are there: those that come
+    /// before its last few bytes, since a coder goes on with any. Returns how many these are.
+    fn surely(&self, chunk: &Chunk<'_>, records: &mut Records) -> u64 {
+        let mut said = self.said.to_vec();
+        // One chunk to the end.
+        said[..2].copy_from_slice(&1_u16.to_le_bytes());
+        let most = self.most_points(chunk.bytes.len()).min(MOST_OF_CHUNK);
+        let most = most.min(u64::from(self.vlr.chunk_size()));
+        let end = chunk.bytes.len() as u64;
+        unpack_until_end(
+            chunk.bytes,
+            &said,
+            (most, end.saturating_sub(MOST_LEFT)),
+            records,
+        )
+        .0
     }
 
     /// Unpacks a chunk, and returns how many bytes of it are left.
@@ -245,7 +271,8 @@ impl Packed<'_> {
         let mut left = header.count.min(most);
         let mut what = "there are no bytes of them".to_owned();
         while let Some(rest) = bytes.get(at..).filter(|rest| left > 0 && !rest.is_empty()) {
-            let (points, taken, ended) = unpack_until_end(rest, &said, left.min(of_chunk), records);
+            let (points, taken, ended) =
+                unpack_until_end(rest, &said, (left.min(of_chunk), u64::MAX), records);
             (left, at) = (left - points, at + taken);
             if let Some(why) = ended {
                 what = why;
@@ -427,12 +454,12 @@ fn kept() -> DecompressionSelection {
         .decompress_rgb()
 }
 
-/// Unpacks at most so many points from the start of bytes that may end early. Returns how many
-/// there are, how many bytes they took, and why no more came.
+/// Unpacks at most so many points from the start of bytes that may end early, until so many bytes
+/// are read. Returns how many there are, how many bytes they took, and why no more came.
 fn unpack_until_end(
     bytes: &[u8],
     said: &[u8],
-    most: u64,
+    (most, until): (u64, u64),
     records: &mut Records,
 ) -> (u64, usize, Option<String>) {
     let mut points = 0;
@@ -441,7 +468,7 @@ fn unpack_until_end(
         let mut record = vec![0; vlr.items_size() as usize];
         let mut unpacking = LasZipDecompressor::selective(Cursor::new(bytes), vlr, kept())
             .map_err(|error| error.to_string())?;
-        while points < most {
+        while points < most && unpacking.get().position() <= until {
             let one = unpacking.decompress_one(&mut record);
             one.map_err(|error| format!("they end after {points} points: {error}"))?;
             records.add(&record);

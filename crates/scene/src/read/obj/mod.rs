@@ -435,6 +435,8 @@ impl Reader<'_> {
         for (repair, times) in std::mem::take(&mut self.library.repairs) {
             count(&mut self.scene.repairs, &repair, times as usize);
         }
+        let remarks = std::mem::take(&mut self.library.remarks);
+        remarks.into_iter().for_each(|it| self.scene.remark(it));
         let polygons = std::mem::take(&mut self.polygons);
         polygons.fill(&mut self.mesh, &mut self.mends);
         if !self.place_colours.is_empty() {

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use super::super::colour::linear_from_encoded;
 use super::super::error::Fault;
 use super::super::sound::count;
-use super::super::text::{Words, lines};
+use super::super::text::{Words, lines, shortened};
 use crate::source::{Material, Repairs};
 use percent_encoding::percent_decode_str;
 
@@ -15,6 +15,10 @@ use percent_encoding::percent_decode_str;
 const DARKEST: f32 = 1e-3;
 /// A `Kd` is brighter than white by mistake up to here; what is beyond is written from 0 to 255.
 const MOST_LIGHT: f64 = 16.0;
+/// And by rounding up to here.
+const CUT_LIGHT: f64 = 1.01;
+/// Most materials that remarks name.
+const MOST_REMARKS: usize = 8;
 
 /// The materials that files define.
 #[derive(Debug, Default)]
@@ -23,6 +27,20 @@ pub(super) struct Library {
     /// The pictures of materials, by name, and how they lie.
     pub(super) pictures: HashMap<String, MapOptions>,
     pub(super) repairs: Repairs,
+    /// What a person should know of materials.
+    pub(super) remarks: Vec<String>,
+}
+
+/// What a material says while it is read.
+#[derive(Debug, Default)]
+struct Said {
+    material: Material,
+    /// What stands for `map_Kd` where there is none: `map_Ka`, then `map_Ke`.
+    others: [Option<MapOptions>; 2],
+    /// `Ke`, in linear light.
+    emitted: [f32; 3],
+    /// The largest of `Kd`.
+    most: f64,
 }
 
 /// What `map_Kd` says.
@@ -108,24 +126,34 @@ impl Library {
     /// that a colour can be; these are left out.
     pub(super) fn read(&mut self, bytes: &[u8], name: &str) -> Vec<usize> {
         let mut broken = Vec::new();
-        let mut current: Option<Material> = None;
+        let mut current: Option<Said> = None;
         for line in lines(bytes) {
             let mut words = Words::of(&line);
             let keyword = words.next().unwrap_or("").to_ascii_lowercase();
             if keyword == "newmtl" {
-                let begun = current.replace(Material {
+                let material = Material {
                     name: words.rest(),
                     two_sided: true,
                     ..Material::default()
+                };
+                let begun = current.replace(Said {
+                    material,
+                    ..Said::default()
                 });
                 self.add(begun);
-            } else if let Some(material) = &mut current {
-                if keyword == "map_kd" {
+            } else if let Some(said) = &mut current {
+                if matches!(&*keyword, "map_kd" | "map_ka" | "map_ke") {
                     let mut options = MapOptions::read(&mut words);
                     options.lies_beside(name);
-                    self.pictures.insert(material.name.clone(), options);
+                    match &*keyword {
+                        "map_ka" => said.others[0] = Some(options),
+                        "map_ke" => said.others[1] = Some(options),
+                        _ => {
+                            self.pictures.insert(said.material.name.clone(), options);
+                        }
+                    }
                 }
-                if read_property(material, &keyword, &mut words).is_err() {
+                if read_property(said, &keyword, &mut words).is_err() {
                     broken.push(line.number);
                 }
             }
@@ -134,8 +162,48 @@ impl Library {
         broken
     }
 
-    fn add(&mut self, material: Option<Material>) {
-        if let Some(mut material) = material {
+    /// Counts what was mended of a material, and says it.
+    fn mend(&mut self, repair: &str, material: &Material, what: &str) {
+        count(&mut self.repairs, repair, 1);
+        if self.remarks.len() < MOST_REMARKS {
+            self.remarks
+                .push(format!("material {:?}: {what}", shortened(&material.name)));
+        }
+    }
+
+    fn add(&mut self, said: Option<Said>) {
+        if let Some(said) = said {
+            let Said {
+                mut material,
+                others: [ambient, light],
+                emitted,
+                most,
+            } = said;
+            if most > MOST_LIGHT {
+                let what = format!("`Kd` reaches {most}: 255 is taken for all light");
+                self.mend("colours_rescaled", &material, &what);
+            } else if most > CUT_LIGHT {
+                let what = format!("`Kd` reaches {most}, brighter than white: cut to 1");
+                self.mend("colours_cut", &material, &what);
+            }
+            let has_picture = self.pictures.contains_key(&material.name);
+            let is_black = material.colour[..3].iter().all(|it| *it < DARKEST);
+            let is_light = emitted.iter().any(|it| *it > DARKEST);
+            let other = match (has_picture, is_black && is_light) {
+                (true, _) => None,
+                (false, true) => light.map(|it| (it, "map_Ke")),
+                (false, false) => ambient.map(|it| (it, "map_Ka")),
+            };
+            if is_black && is_light && !has_picture {
+                material.colour[..3].copy_from_slice(&emitted);
+                let what = "black but for its light (`Ke`), whose colour is shown";
+                self.mend("lights_shown_as_colours", &material, what);
+            }
+            if let Some((picture, keyword)) = other {
+                let what = format!("its picture is that of `{keyword}`, as `map_Kd` is missing");
+                self.mend("pictures_of_other_kinds", &material, &what);
+                self.pictures.insert(material.name.clone(), picture);
+            }
             // Exporters write no light where a picture has it all.
             let is_black = material.colour[..3].iter().all(|it| *it < DARKEST);
             if is_black && self.pictures.contains_key(&material.name) {
@@ -147,16 +215,14 @@ impl Library {
     }
 }
 
-fn read_property(
-    material: &mut Material,
-    keyword: &str,
-    words: &mut Words<'_>,
-) -> Result<(), Fault> {
+fn read_property(said: &mut Said, keyword: &str, words: &mut Words<'_>) -> Result<(), Fault> {
     words.leave_out_comment();
+    let material = &mut said.material;
     match keyword {
-        "kd" if !["spectral", "xyz"]
-            .iter()
-            .any(|way| words.rest().starts_with(way)) =>
+        "kd" | "ke"
+            if !["spectral", "xyz"]
+                .iter()
+                .any(|way| words.rest().starts_with(way)) =>
         {
             let red = words.number("a colour")?;
             let green = words.number_if_any("a colour")?.unwrap_or(red);
@@ -164,7 +230,12 @@ fn read_property(
             let most = red.max(green).max(blue);
             let full = if most > MOST_LIGHT { 255.0 } else { 1.0 };
             let light = [red, green, blue].map(|it| linear_from_encoded(it / full));
-            material.colour[..3].copy_from_slice(&light);
+            if keyword == "ke" {
+                said.emitted = light;
+            } else {
+                material.colour[..3].copy_from_slice(&light);
+                said.most = most;
+            }
         }
         "d" if !words.rest().starts_with('-') => {
             material.colour[3] = words.number("`d`")?.clamp(0.0, 1.0) as f32;

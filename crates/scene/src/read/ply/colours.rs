@@ -12,6 +12,8 @@ const OF_SPLAT: f64 = 0.282_094_79;
 const MOST_CODE: f64 = 65_535.0;
 /// What belongs to no part of a colour.
 const NONE: usize = usize::MAX;
+/// All light of a code of eight bits.
+const BYTE: f64 = 255.0;
 
 /// Where in the rows of an element its colours are.
 pub(super) struct ColourColumns {
@@ -19,7 +21,21 @@ pub(super) struct ColourColumns {
     parts: Vec<usize>,
     /// The value that would stand for all light by the kind of its numbers.
     usual: f64,
-    is_splat: bool,
+    kind: Kind,
+}
+
+/// How rows tell of colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Kind {
+    /// By red, green and blue.
+    #[default]
+    Parts,
+    /// By the first coefficients of splats.
+    Splat,
+    /// By one number for all parts, as the Point Cloud Library writes them.
+    Packed,
+    /// Not at all; by how much light came back, from the least to the most.
+    Intensity,
 }
 
 /// Which part of a colour a property is, in lower case, and whether of a splat.
@@ -37,10 +53,29 @@ fn part(name: &str) -> Option<(usize, bool)> {
     Some(part)
 }
 
+/// What says how much light came back, in lower case.
+const INTENSITIES: [&str; 7] = [
+    "intensity",
+    "scalar_intensity",
+    "reflectance",
+    "scalar_reflectance",
+    "gray",
+    "grey",
+    "luminance",
+];
+
+/// The name of a number of a row, in lower case.
+fn named(property: &Property) -> Option<String> {
+    match property {
+        Property::One { name, .. } => Some(name.to_ascii_lowercase()),
+        Property::List { .. } => None,
+    }
+}
+
 impl ColourColumns {
     /// Of an element; none where it has no colours.
     pub(super) fn of(element: &Element) -> Option<Self> {
-        let of_kind = |wanted: bool| {
+        let of_parts = |wanted: bool| {
             let mut usual = 1.0;
             let mut met = [false; 4];
             let column = |property: &Property| {
@@ -59,13 +94,36 @@ impl ColourColumns {
                 }
             };
             let parts: Vec<usize> = element.properties.iter().map(column).collect();
-            (met[..3] == [true; 3]).then_some(Self {
-                parts,
-                usual,
-                is_splat: wanted,
-            })
+            let kind = if wanted { Kind::Splat } else { Kind::Parts };
+            (met[..3] == [true; 3]).then_some(Self { parts, usual, kind })
         };
-        of_kind(false).or_else(|| of_kind(true))
+        let of_one = |names: &[&str], kind: Kind| {
+            let is_it = |it: &Property| named(it).is_some_and(|name| names.contains(&&*name));
+            let at = element.properties.iter().position(is_it)?;
+            let mut parts = vec![NONE; element.properties.len()];
+            parts[at] = 0;
+            let usual = if kind == Kind::Packed { BYTE } else { 1.0 };
+            Some(Self { parts, usual, kind })
+        };
+        of_parts(false)
+            .or_else(|| of_parts(true))
+            .or_else(|| of_one(&["rgb", "rgba"], Kind::Packed))
+            .or_else(|| of_one(&INTENSITIES, Kind::Intensity))
+    }
+
+    /// Whether an element without colours has some parts of them.
+    pub(super) fn is_part_of(element: &Element) -> bool {
+        let is_colour = |it: &Property| {
+            let part = named(it).and_then(|name| part(&name));
+            part.is_some_and(|(at, is_splat)| at < 3 && !is_splat)
+        };
+        Self::of(element).is_none_or(|it| it.kind != Kind::Parts)
+            && element.properties.iter().any(is_colour)
+    }
+
+    /// Whether one number tells of all parts of a colour.
+    pub(super) fn is_packed(&self) -> bool {
+        self.kind == Kind::Packed
     }
 
     /// Which part of a colour the property of a number is.
@@ -81,14 +139,16 @@ pub(super) struct PlyColours {
     depth: Depth,
     usual: f64,
     most_alpha: f32,
-    is_splats: bool,
+    kind: Kind,
+    /// The least and most of intensities.
+    range: Option<[f64; 2]>,
 }
 
 impl PlyColours {
     pub(super) fn new(columns: &ColourColumns) -> Self {
         Self {
             usual: columns.usual,
-            is_splats: columns.is_splat,
+            kind: columns.kind,
             ..Self::default()
         }
     }
@@ -99,9 +159,24 @@ impl PlyColours {
 
     /// Adds a colour; `false` if it is none, and will be white. An alpha below 0 is not said.
     pub(super) fn add(&mut self, mut colour: [f64; 4]) -> bool {
-        if self.is_splats {
-            colour = colour.map(|it| (0.5 + OF_SPLAT * it).clamp(0.0, 1.0));
-            colour[3] = -1.0;
+        match self.kind {
+            Kind::Splat => {
+                colour = colour.map(|it| (0.5 + OF_SPLAT * it).clamp(0.0, 1.0));
+                colour[3] = -1.0;
+            }
+            Kind::Packed => {
+                let [_, red, green, blue] = (colour[0] as u32).to_be_bytes();
+                colour = [red, green, blue, 255].map(f64::from);
+            }
+            Kind::Intensity => {
+                let light = colour[0];
+                colour = [light, light, light, -1.0];
+                let [least, most] = self.range.unwrap_or([light; 2]);
+                if light.is_finite() {
+                    self.range = Some([least.min(light), most.max(light)]);
+                }
+            }
+            Kind::Parts => {}
         }
         let is_one = colour.iter().all(|it| it.is_finite());
         if !is_one {
@@ -115,14 +190,37 @@ impl PlyColours {
     }
 
     fn full(&self) -> Full {
-        match self.is_splats {
-            true => Depth::default().full(1.0),
-            false => self.depth.full(self.usual),
+        match self.kind {
+            Kind::Splat | Kind::Intensity => Depth::default().full(1.0),
+            Kind::Packed => Depth::default().full(BYTE),
+            Kind::Parts => self.depth.full(self.usual),
+        }
+    }
+
+    /// Makes intensities parts of 1: of the most, or where some are below 0 from the least on.
+    fn spread_intensities(&mut self) {
+        let Some([least, most]) = self.range else {
+            return;
+        };
+        let from = least.min(0.0);
+        let length = (most - from).max(f64::MIN_POSITIVE);
+        for colour in &mut self.raw {
+            let light = ((f64::from(colour[0]) - from) / length).clamp(0.0, 1.0) as f32;
+            if !colour[0].is_nan() {
+                *colour = [light, light, light, colour[3]];
+            }
         }
     }
 
     fn tell(&self, full: &Full, strays: usize, told: &mut Told) {
-        if self.is_splats {
+        if let (Kind::Intensity, Some([least, most])) = (self.kind, self.range) {
+            let what = &told.what;
+            told.remarks.push(format!(
+                "{what} have no colours, but intensities from {least} to {most}: they are shown as \
+                 grey"
+            ));
+        }
+        if self.kind == Kind::Splat {
             told.remark("splats are drawn as points, each in its own colour from all sides");
         }
         let counts = (self.raw.len(), strays);
@@ -133,6 +231,7 @@ impl PlyColours {
 
     /// In linear light; white where there was no number.
     pub(super) fn lights(mut self, told: &mut Told) -> Vec<[f32; 4]> {
+        self.spread_intensities();
         let full = self.full();
         let alpha = match self.most_alpha {
             most if most <= 1.0 => 1.0,
@@ -153,7 +252,8 @@ impl PlyColours {
     }
 
     /// As codes of sixteen bits; one of eight bits becomes 257 times as much.
-    pub(super) fn codes(self, told: &mut Told) -> Vec<[u16; 3]> {
+    pub(super) fn codes(mut self, told: &mut Told) -> Vec<[u16; 3]> {
+        self.spread_intensities();
         let full = self.full();
         let mut strays = 0;
         let code = |raw: &[f32; 4]| {

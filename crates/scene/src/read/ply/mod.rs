@@ -23,27 +23,10 @@ use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
-    let header = PlyHeader::parse(bytes)?;
-    let mut numbers = Numbers::of(&header, bytes);
-    let faces = header.elements.iter().filter(|it| is_face(it));
-    let mut reader = Reader {
-        is_cloud: faces.map(|it| it.count).sum::<u64>() == 0,
-        ..Reader::default()
-    };
-    for element in &header.elements {
-        numbers.begin(element);
-        match element.name.as_str() {
-            "vertex" => reader.read_vertices(element, &mut numbers)?,
-            _ if is_face(element) => reader.read_faces(element, &mut numbers),
-            _ => reader.skip(element, &mut numbers),
-        }
-        numbers.end();
-    }
-    reader.add_mends(&numbers);
-    if let Some(last) = header.elements.last() {
-        let left = numbers.rows_left(last);
-        let place = || numbers.place();
-        reader.mends.add(mends::ROW_LEFT, left, place);
+    let mut header = PlyHeader::parse(bytes)?;
+    let mut reader = Reader::of(&header, bytes)?;
+    if let Some(other) = reader.other_count(&mut header, bytes)? {
+        reader = other;
     }
     let polygons = std::mem::take(&mut reader.polygons);
     polygons.fill(&mut reader.mesh, &mut reader.mends);
@@ -120,6 +103,73 @@ fn slot(name: &str) -> Option<usize> {
 const SLOTS: usize = 6;
 
 impl Reader {
+    /// All elements that a header tells of.
+    fn of(header: &PlyHeader, bytes: &[u8]) -> Result<Self, Fault> {
+        let mut numbers = Numbers::of(header, bytes);
+        let faces = header.elements.iter().filter(|it| is_face(it));
+        let mut reader = Self {
+            is_cloud: faces.map(|it| it.count).sum::<u64>() == 0,
+            ..Self::default()
+        };
+        for element in &header.elements {
+            numbers.begin(element);
+            match element.name.as_str() {
+                "vertex" => reader.read_vertices(element, &mut numbers)?,
+                _ if is_face(element) => reader.read_faces(element, &mut numbers),
+                _ => reader.skip(element, &mut numbers),
+            }
+            numbers.end();
+        }
+        reader.add_mends(&numbers);
+        if let Some(last) = header.elements.last() {
+            let left = numbers.rows_left(last);
+            let place = || numbers.place();
+            reader.mends.add(mends::ROW_LEFT, left, place);
+        }
+        Ok(reader)
+    }
+
+    /// The same of a text whose header counts too many vertices, or too few: where all rows fit
+    /// with another number of them, as a row is a line. The header has that number then.
+    fn other_count(&self, header: &mut PlyHeader, bytes: &[u8]) -> Result<Option<Self>, Fault> {
+        let count = |mend| self.mends.times(mend) as u64;
+        let (missing, left) = (count(mends::ROW_MISSING), count(mends::ROW_LEFT));
+        let is_text = header.encoding == header::Encoding::Text;
+        let vertices = header.elements.iter().position(|it| it.name == "vertex");
+        let (Some(at), true, true) = (vertices, is_text && !self.is_cloud, missing != left) else {
+            return Ok(None);
+        };
+        let said = header.elements[at].count;
+        let Some(found) = (said + left).checked_sub(missing).filter(|it| *it > 2) else {
+            return Ok(None);
+        };
+        header.elements[at].count = found;
+        let mut other = Self::of(header, bytes)?;
+        let kinds = [
+            mends::ROW_MISSING,
+            mends::ROW_LEFT,
+            mends::LINE_BROKEN,
+            mends::WORDS_BEYOND,
+        ];
+        let is_there = |it: &u32| u64::from(*it) < found;
+        let is_whole = kinds.iter().all(|it| other.mends.times(*it) == 0)
+            && other.repairs.is_empty()
+            && !other.mesh.triangles.is_empty()
+            && other.mesh.triangles.as_flattened().iter().all(is_there);
+        header.elements[at].count = if is_whole { found } else { said };
+        if !is_whole {
+            return Ok(None);
+        }
+        let mend = match found < said {
+            true => mends::ROW_MISSING,
+            false => mends::ROW_BEYOND,
+        };
+        let place = || format!("is vertex {}", found.min(said));
+        let times = usize::try_from(found.abs_diff(said)).unwrap_or(usize::MAX);
+        other.mends.add(mend, times, place);
+        Ok(Some(other))
+    }
+
     /// Counts the rows of an element from this one on as missing.
     fn lose(&mut self, element: &Element, index: u64, numbers: &Numbers<'_>) {
         let times = usize::try_from(element.count - index).unwrap_or(usize::MAX);
@@ -171,6 +221,11 @@ impl Reader {
         };
         let has_normals = has(3..6);
         let columns = ColourColumns::of(element);
+        let is_packed = columns.as_ref().is_some_and(ColourColumns::is_packed);
+        if ColourColumns::is_part_of(element) {
+            let place = || "is that of vertices".to_owned();
+            self.mends.add(mends::COLOUR_INCOMPLETE, 1, place);
+        }
         let mut colours = columns.as_ref().map(PlyColours::new);
         let mut row = [0.0; SLOTS];
         let mut colour = [-1.0; 4];
@@ -183,8 +238,11 @@ impl Reader {
                         value.map(|value| row[*slot] = value)
                     }
                     (None, Property::One { scalar, .. }) => {
-                        let value = numbers.number(*scalar);
                         let part = columns.as_ref().and_then(|it| it.part(at));
+                        let value = match part.is_some() && is_packed {
+                            true => numbers.packed(*scalar),
+                            false => numbers.number(*scalar),
+                        };
                         value.map(|value| {
                             if let Some(part) = part {
                                 colour[part] = value;
@@ -265,7 +323,7 @@ impl Reader {
 
     fn read_faces(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
         let is_strip = element.name == "tristrips";
-        let columns = ColourColumns::of(element);
+        let columns = ColourColumns::of(element).filter(|it| !it.is_packed());
         let before = self.face_colours.take();
         let mut colours = before.or_else(|| columns.as_ref().map(PlyColours::new));
         let mut colour = [-1.0; 4];

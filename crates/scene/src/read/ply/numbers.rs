@@ -197,6 +197,31 @@ impl<'a> Numbers<'a> {
         }
     }
 
+    /// The next number, into which parts of a colour are packed, as a whole one: that of its bits
+    /// where it is real. As `number`, at the end of the file.
+    pub(super) fn packed(&mut self, scalar: Scalar) -> Option<f64> {
+        let bits = match (self.encoding, scalar) {
+            (Encoding::LittleEndian, Scalar::F32) => {
+                let [a, b, c, d, ..] = self.next_bytes(scalar)?;
+                u32::from_le_bytes([a, b, c, d])
+            }
+            (Encoding::BigEndian, Scalar::F32) => {
+                let [a, b, c, d, ..] = self.next_bytes(scalar)?;
+                u32::from_be_bytes([a, b, c, d])
+            }
+            _ => {
+                let number = self.number(scalar)?;
+                // What is less than 1 is no whole number that was written as a real one.
+                let is_whole = number.fract() == 0.0 && number.abs() >= 1.0;
+                match is_whole && number.abs() <= f64::from(u32::MAX) || number == 0.0 {
+                    true => number as i64 as u32,
+                    false => (number as f32).to_bits(),
+                }
+            }
+        };
+        Some(f64::from(bits))
+    }
+
     /// The length of a list; 0 where a line of its own says none. `None` where so many numbers
     /// cannot follow: then nothing that follows can be found.
     pub(super) fn length(&mut self, length: Scalar, scalar: Scalar) -> Option<usize> {
