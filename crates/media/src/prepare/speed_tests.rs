@@ -78,10 +78,18 @@ fn speed_of_preparing() {
                 })
             })
             .collect();
-        let notes = Notes::new(&plan.grid, plan.description.colour);
+        let about = &plan.description;
+        let notes = Notes::new(&plan.grid, about.colour);
+        let mut shown = DecodedGroups::new(&plan.grid, about.colour, Codec::Png, &about.groups);
+        let tiles = (0..plan.grid.levels).flat_map(|level| plan.grid.tiles_of(level));
         let begun = Instant::now();
-        for (level, group) in &groups {
-            notes.measure(*level, group);
+        for (tile, (level, group)) in tiles.zip(&groups) {
+            notes.cues(*level, group);
+            let group = shown.decoded(&[], group.clone()).unwrap();
+            shown.push(*level, plan.grid.rank(tile), group);
+        }
+        for level in 0..plan.grid.levels {
+            shown.measured(level, 1);
         }
         say("measuring", begun);
         for (codec, speed, rate) in [
