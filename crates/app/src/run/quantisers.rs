@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// What stills may lose where they lose most, in JOD.
 const STILL_LOSS: f64 = 0.3;
 /// What moving pictures may lose over all windows.
-const MOVING_LOSS: f64 = 0.34;
+const MOVING_LOSS: f64 = 0.42;
 /// Quantisers that are looked at.
 const FINEST: u8 = 3;
 const COARSEST: u8 = 36;
@@ -37,11 +37,7 @@ pub(crate) fn with_quantisers(input: &Path, plan: Plan, jobs: usize) -> anyhow::
     if !plan.looks_for_quantisers() {
         return Ok(plan);
     }
-    let windows = sample_windows(input, &plan);
-    let judged = windows
-        .into_iter()
-        .filter_map(|window| Judged::new(&plan, window));
-    let judged: Vec<Judged> = judged.collect();
+    let judged = judged_windows(&plan, sample_windows(input, &plan));
     let finest = match judged.is_empty() {
         true => None,
         false => Some(coarsest_that_keeps(|quantiser| {
@@ -81,14 +77,42 @@ struct Judged {
     window: SampleWindow,
     pictures: Vec<ScorePicture>,
     display: Display,
+    /// Where the judge takes no such rate nothing is judged as moving.
     fps: f64,
-    gaze_px: [f64; 2],
+    gazes_px: Vec<[f64; 2]>,
+}
+
+/// All that can be judged; a window that holds several gazes of a group is coded once.
+fn judged_windows(plan: &Plan, windows: Vec<SampleWindow>) -> Vec<Judged> {
+    let mut judged: Vec<Judged> = Vec::new();
+    // The first of the group that is gone through.
+    let mut first = 0;
+    for window in windows {
+        let gaze = gaze_in(&window);
+        let place = |it: &SampleWindow| (it.face, it.corner);
+        let mut group = judged[first..].iter_mut();
+        match group.find(|it| place(&it.window) == place(&window)) {
+            Some(same) if !same.gazes_px.contains(&gaze) => same.gazes_px.push(gaze),
+            Some(_) => {
+                first = judged.len();
+                judged.extend(Judged::new(plan, window));
+            }
+            None => judged.extend(Judged::new(plan, window)),
+        }
+    }
+    judged
+}
+
+/// The place of a window that is looked at, 0 the middle of its first pixel.
+fn gaze_in(window: &SampleWindow) -> [f64; 2] {
+    [0, 1].map(|k| f64::from(window.gaze[k] - window.corner[k]))
 }
 
 /// What coding takes from a window.
 struct WindowLoss {
     still: f64,
-    moving: f64,
+    /// For each gaze; none of one picture.
+    moving: Vec<f64>,
 }
 
 impl Judged {
@@ -104,9 +128,8 @@ impl Judged {
         let this = Self {
             pictures: pictures.collect::<Option<_>>()?,
             display,
-            // Beyond what the judge takes nothing is judged as moving.
             fps,
-            gaze_px: [0, 1].map(|k| f64::from(window.gaze[k] - window.corner[k])),
+            gazes_px: vec![gaze_in(&window)],
             window,
         };
         this.viewing(None).map(|_| this)
@@ -123,23 +146,26 @@ impl Judged {
         let shown = shown.iter().map(|picture| score_picture(plan, picture));
         let shown: Vec<ScorePicture> = shown.flatten().collect();
         let pairs: Vec<_> = self.pictures.iter().zip(&shown).collect();
-        let lost = |viewing: Option<Viewing>, frames: &mut dyn Iterator<Item = usize>| {
-            let Some(viewing) = viewing else {
+        let lost = |fps: Option<f64>, gaze: [f64; 2], frames: &[usize]| {
+            let Some(viewing) = self.viewing(fps) else {
                 return Ok(0.0);
             };
             let mut judge = Judge::new(&viewing, 1)?;
             let mut pool = Pool::default();
-            for (seen, shown) in frames.filter_map(|frame| pairs.get(frame)) {
-                pool.add(&judge.frame(seen, shown, self.gaze_px)?);
+            for (seen, shown) in frames.iter().filter_map(|frame| pairs.get(*frame)) {
+                pool.add(&judge.frame(seen, shown, gaze)?);
             }
             let jod = pool.score(&[]).map_or(10.0, |score| score.jod);
             Ok::<f64, anyhow::Error>(10.0 - jod)
         };
-        let still = lost(self.viewing(None), &mut STILLS.into_iter())?;
-        let moving = match pairs.len() {
-            1 => 0.0,
-            count => lost(self.viewing(Some(self.fps)), &mut (0..count))?,
-        };
+        let (mut still, mut moving) = (0.0, Vec::new());
+        let all: Vec<usize> = (0..pairs.len()).collect();
+        for gaze in &self.gazes_px {
+            still = f64::max(still, lost(None, *gaze, &STILLS)?);
+            if pairs.len() > 1 {
+                moving.push(lost(Some(self.fps), *gaze, &all)?);
+            }
+        }
         Ok(WindowLoss { still, moving })
     }
 }
@@ -148,8 +174,8 @@ impl Judged {
 fn loss_at(windows: &[Judged], plan: &Plan, finest: u8, jobs: usize) -> anyhow::Result<f64> {
     let losses = in_parallel(jobs, windows, |window| window.loss(plan, finest))?;
     let still = losses.iter().map(|loss| loss.still).fold(0.0, f64::max);
-    let moving: f64 = losses.iter().map(|loss| loss.moving).sum();
-    let moving = moving / losses.len().max(1) as f64;
+    let moving: Vec<f64> = losses.iter().flat_map(|loss| loss.moving.clone()).collect();
+    let moving = moving.iter().sum::<f64>() / moving.len().max(1) as f64;
     Ok((still / STILL_LOSS).max(moving / MOVING_LOSS))
 }
 

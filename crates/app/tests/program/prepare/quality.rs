@@ -31,13 +31,13 @@ fn auto(clip: &str, pack: &str, how: &[&str]) -> serde_json::Value {
 #[test]
 fn a_film_is_coded_as_its_content_asks_and_the_same_by_any_number_of_threads() {
     let folder = Folder::new();
-    let clip = write_clip(&folder, "a.mkv", &halves([384, 256], 24));
+    let clip = write_clip(&folder, "a.mkv", &halves([256, 160], 16));
     let packs = ["1", "8"].map(|jobs| {
         let pack = folder.name(&format!("{jobs}.foveal"));
         let told = auto(&clip, &pack, &["--jobs", jobs]);
         assert_eq!(told["quality_by_tile"], true);
         let jod = told["loss"]["jod"].as_f64().unwrap();
-        assert!((9.6..9.95).contains(&jod), "{told}");
+        assert!((9.6..9.98).contains(&jod), "{told}");
         std::fs::read(pack).unwrap()
     });
     assert!(packs[0] == packs[1]);
@@ -46,7 +46,7 @@ fn a_film_is_coded_as_its_content_asks_and_the_same_by_any_number_of_threads() {
     let start = ["prepare", "video", &clip, "--out", &pack, "--json"];
     let mut again = command(&["prepare"]);
     again.args(&start[1..]);
-    assert!(finish(again).stdout.contains("\"already_there\": true"));
+    assert!(finish(again).stdout.contains("\"already_there\":true"));
     let text = done(&["info", &pack]).stdout;
     assert!(text.contains(", by tile"), "{text}");
     // The last line: the score, the bytes, and what they are to the source's.
@@ -131,7 +131,7 @@ fn whatever_a_film_shows_some_quantiser_is_found() {
         let clip = write_clip(&folder, &format!("{number}.mkv"), film);
         let pack = folder.name(&format!("{number}.foveal"));
         let told = auto(&clip, &pack, &[]);
-        assert_eq!(told["quality_by_tile"], film.len() > 1, "{number}");
+        assert_eq!(told["quality_by_tile"], true, "{number}");
         if let Some(jod) = told["loss"]["jod"].as_f64() {
             assert!(jod >= 9.6, "{number}: {told}");
         }
