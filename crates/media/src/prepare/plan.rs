@@ -75,7 +75,6 @@ impl PreparationPlan {
     ) -> Result<Self, PrepareError> {
         let mut remarks = Remarks::default();
         let found = surround_of(input, info, settings, &mut remarks)?;
-        let surround = found.surround;
         let surface = surface_as_asked(&found, settings)?;
         let levels = levels_as_asked(surface, settings);
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
@@ -83,11 +82,8 @@ impl PreparationPlan {
         refuse_broken(input, info, settings)?;
         remark_on(info, settings, &mut remarks);
         let stretch_to_full_range = stretches(info, settings);
-        let colour = colour_of(
-            info,
-            stretch_to_full_range,
-            is_resampled(surround, &surface),
-        );
+        let is_moved = is_resampled(found.surround, &surface);
+        let colour = colour_of(info, stretch_to_full_range, is_moved);
         let rates = rates_of(settings, info.looks_still, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
         let mut description = Description {
@@ -123,7 +119,7 @@ impl PreparationPlan {
         Ok(Self {
             description,
             grid,
-            surround,
+            surround: found.surround,
             eyes: found.eyes,
             part: found.part,
             eye_size: found.eye_size,
