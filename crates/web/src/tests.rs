@@ -42,6 +42,7 @@ fn description() -> Description {
         codec: Codec::Png,
         quality: vec![0; 3],
         quality_scale: Default::default(),
+        quality_by_tile: false,
         bit_rates: Vec::new(),
         groups: vec![4, 4, 12],
         frames: FRAMES,

@@ -69,6 +69,7 @@ pub(crate) struct PackInfo {
     codec: Codec,
     quality: Vec<u8>,
     quality_scale: QualityScale,
+    quality_by_tile: bool,
     bit_rates: Vec<u32>,
     pub(crate) bytes: u64,
     bytes_per_level: Vec<u64>,
@@ -238,6 +239,7 @@ impl PackInfo {
             codec: about.codec,
             quality: about.quality.clone(),
             quality_scale: about.quality_scale,
+            quality_by_tile: about.quality_by_tile,
             bit_rates: about.bit_rates.clone(),
             bytes: file.bytes(),
             bytes_per_level: pack.index().bytes_per_level(),
@@ -358,10 +360,26 @@ impl PackInfo {
         String::new()
     }
 
+    /// The score, the bytes and how many times the source's they are.
+    pub(crate) fn in_short(&self) -> String {
+        let score = match self.loss {
+            Some(loss) => format!("{:.2} JOD against the source, ", loss.jod),
+            None => String::new(),
+        };
+        let ratio = match self.source_bytes {
+            0 => String::new(),
+            bytes => format!(", {:.1} times the source", self.bytes as f64 / bytes as f64),
+        };
+        format!("{score}{}{ratio}", output::size(self.bytes))
+    }
+
     fn quality_of(&self, level: usize) -> String {
         match (self.bit_rates.get(level), self.quality_scale) {
             (Some(bits), _) => format!("{:.3} Mbit/s a tile", f64::from(*bits) / 1e6),
             (None, _) if self.codec == Codec::Png => "lossless".to_owned(),
+            (None, QualityScale::Quantiser) if self.quality_by_tile => {
+                format!("quality about {}, by tile", self.quality[level])
+            }
             (None, QualityScale::Quantiser) => format!("quality {}", self.quality[level]),
             (None, QualityScale::Ijg) => format!("quality q{}", self.quality[level]),
         }

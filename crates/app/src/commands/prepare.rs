@@ -9,6 +9,7 @@ use crate::run::calibrate::{Extent, calibrate};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
 use crate::run::pack_place::{if_taken, pack_at};
+use crate::run::quantisers::with_quantisers;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::policy::DEFAULT_TARGET;
@@ -214,6 +215,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     if args.dry_run {
         let plan = args.plan()?;
         remark(&args.input, &plan.remarks);
+        let plan = with_quantisers(&args.input, plan, output::jobs(args.jobs)?)?;
         return args.estimate(&plan);
     }
     let out = args
@@ -239,10 +241,18 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     remark(&args.input, &plan.remarks);
     let begun = Instant::now();
     let claim = NameClaim::of(out, if_taken(there.as_ref()))?;
+    let plan = with_quantisers(&args.input, plan, output::jobs(args.jobs)?)?;
     let calibrate_s = args.prepare((out, claim), &plan)?;
     let seconds = begun.elapsed().as_secs_f64();
     let pack = PackInfo::new(&PackFile::open(out)?)?;
-    let text = format!("{}: {seconds:.1} s\n{}", out.display(), pack.text());
+    let text = format!(
+        "{}: {seconds:.1} s
+{}{}
+",
+        out.display(),
+        pack.text(),
+        pack.in_short()
+    );
     args.say_done(&pack, Some(calibrate_s), &text)
 }
 
@@ -360,7 +370,7 @@ impl PrepareVideoArgs {
             levels: cut.levels,
             ratio: cut.ratio(),
             codec: self.codec.codec,
-            quality: self.codec.quality()?,
+            quality: Some(self.codec.quality()?),
             speed: match (self.fast, self.small) {
                 (true, _) => Speed::Fast,
                 (_, true) => Speed::Small,

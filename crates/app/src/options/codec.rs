@@ -15,12 +15,13 @@ pub(crate) struct CodecOptions {
     /// Codec of the tiles.
     #[arg(long, default_value = "vp9", value_parser = codec_names())]
     pub(crate) codec: Codec,
-    /// One for all levels, or one a level from the finest on, as 22,24,24,26,28. Quantisers, lower
-    /// is finer: vp9, vp8 and av1 0-63, h264 and hevc 0-51, jpeg 1-31; for jpeg also q1-q100, the
-    /// quality of other programs. png is lossless.
+    /// auto (the default), one for all levels, or one a level from the finest on, as 22,24,26,28.
+    /// Quantisers, lower is finer: vp9, vp8, av1 0-63, h264, hevc 0-51, jpeg 1-31; for jpeg also
+    /// q1-q100, the quality of other programs. png is lossless.
     ///
-    /// Defaults of video: vp9 24, vp8 16, av1 28, h264 26, hevc 27, jpeg 3; of a picture, which is
-    /// looked at for long: vp9 4, vp8 0, av1 3, h264 15, hevc 16, jpeg 1.
+    /// auto looks for the coarsest quantisers of a video in vp9 that the eye hardly sees, finer
+    /// where it is dark and flat. Of other video it takes vp8 16, av1 28, h264 26, hevc 27, jpeg 3;
+    /// of a picture, which is looked at for long: vp9 4, vp8 0, av1 3, h264 15, hevc 16, jpeg 1.
     #[arg(long, value_name = "Q[,Q..]", conflicts_with = "bitrate")]
     quality: Option<String>,
     /// The finest quantiser at which no group of a tile takes more, as 10mbit or one a level as
@@ -37,12 +38,13 @@ fn codec_names() -> impl TypedValueParser<Value = Codec> {
 }
 
 impl CodecOptions {
-    /// What was asked for; `None` for the codec's default.
-    pub(crate) fn quality(&self) -> Result<Option<Quality>, WrongUsage> {
+    /// What was asked for.
+    pub(crate) fn quality(&self) -> Result<Quality, WrongUsage> {
         match (&self.quality, &self.bitrate) {
-            (Some(text), _) => self.qualities(text).map(Some),
-            (None, Some(text)) => self.bit_rates(text).map(Some),
-            (None, None) => Ok(None),
+            (Some(text), _) if text.trim() == "auto" => Ok(Quality::Auto),
+            (Some(text), _) => self.qualities(text),
+            (None, Some(text)) => self.bit_rates(text),
+            (None, None) => Ok(Quality::Auto),
         }
     }
 

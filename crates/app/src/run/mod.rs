@@ -6,6 +6,7 @@ pub(crate) mod loss;
 pub(crate) mod open_player;
 pub(crate) mod optics;
 pub(crate) mod pack_place;
+pub(crate) mod quantisers;
 pub(crate) mod run_folder;
 pub(crate) mod scene_clip;
 pub(crate) mod shown_frames;

@@ -10,7 +10,7 @@ use std::time::Duration;
 const FRAMES: u32 = 300;
 
 /// Starts the command and sends it a signal once its journal has more than so many bytes.
-fn stopped_at(arguments: &[&str], journal: &str, more_than: u64, signal: &str) {
+pub(crate) fn stopped_at(arguments: &[&str], journal: &str, more_than: u64, signal: &str) {
     let mut running = command(arguments).stderr(Stdio::null()).spawn().unwrap();
     let long_enough = || std::fs::metadata(journal).is_ok_and(|there| there.len() > more_than);
     while !long_enough() {

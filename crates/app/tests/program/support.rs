@@ -68,11 +68,29 @@ impl Drop for Folder {
 /// takes most of a minute, unless the arguments ask for it.
 pub(crate) fn command(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_foveal"));
-    command.args(arguments);
+    command.args(arguments).args(fixed_quality(arguments));
     if arguments.starts_with(&["prepare", "video"]) && !arguments.contains(&"--calibrate") {
         command.args(["--calibrate", "off"]);
     }
     command
+}
+
+/// What fixes the quantiser of film whose preparation says nothing of it: looking for one takes as
+/// long as all the rest of a small clip. `--quality auto` is left as it is.
+fn fixed_quality(arguments: &[&str]) -> &'static [&'static str] {
+    const SAID: [&str; 4] = ["--quality", "--bitrate", "--codec", "--help"];
+    const STILLS: [&str; 9] = [
+        "png", "jpg", "jpeg", "webp", "tif", "tiff", "heic", "avif", "bmp",
+    ];
+    let is_still = |argument: &&str| STILLS.iter().any(|ending| argument.ends_with(ending));
+    match arguments {
+        ["prepare", "video", input, rest @ ..]
+            if !is_still(input) && !rest.iter().any(|it| SAID.contains(it) || is_still(it)) =>
+        {
+            &["--quality", "24"]
+        }
+        _ => &[],
+    }
 }
 
 /// Says what this machine does not let a test try, also to whoever runs all of them.

@@ -55,6 +55,7 @@ impl Made {
             codec: Codec::Png,
             quality: vec![0; usize::from(self.levels)],
             quality_scale: QualityScale::default(),
+            quality_by_tile: false,
             bit_rates: Vec::new(),
             groups: vec![4; usize::from(self.levels)],
             frames: self.frames,

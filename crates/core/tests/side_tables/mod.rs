@@ -44,6 +44,7 @@ fn small_pack() -> VideoPack {
         codec: Codec::Png,
         quality: vec![0; 3],
         quality_scale: QualityScale::default(),
+        quality_by_tile: false,
         bit_rates: Vec::new(),
         groups: vec![2, 2, 4],
         frames: 5,

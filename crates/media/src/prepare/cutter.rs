@@ -84,22 +84,36 @@ impl Cutter {
 
     /// The tiles of one frame: by level, by rank.
     pub(super) fn tiles_of(&self, picture: &Picture) -> Vec<Vec<Picture>> {
-        let stretched;
-        let picture = if self.stretch_to_full_range {
-            stretched = full_range(picture);
-            &stretched
-        } else {
-            picture
-        };
-        let mut eyes = self.eyes.split(picture);
-        if let Some(part) = self.part {
-            let whole = eyes.iter().map(|eye| part.whole_of(eye, self.black()));
-            eyes = Cow::Owned(whole.collect());
-        }
+        let eyes = self.eyes_of(picture);
         let faces = self.faces_of(&eyes);
         match self.grid.cut {
             Cut::Tile(_) => self.cut_pyramid(faces),
             Cut::Grid(_) => self.cut_grid(&faces),
+        }
+    }
+
+    /// Some tiles of the finest level, of each as much as is asked for.
+    pub(super) fn parts(&self, picture: &Picture, tiles: &[(Tile, [u32; 2])]) -> Vec<Picture> {
+        let eyes = self.eyes_of(picture);
+        let faces = self.faces_of(&eyes);
+        let part = |(tile, size): &(Tile, [u32; 2])| {
+            faces[usize::from(tile.face)].crop(self.grid.origin(*tile), *size)
+        };
+        tiles.iter().map(part).collect()
+    }
+
+    /// What each eye is shown, in the range of the pack.
+    fn eyes_of<'a>(&self, picture: &'a Picture) -> Cow<'a, [Picture]> {
+        let eyes = match self.stretch_to_full_range {
+            true => Cow::Owned(self.eyes.split(&full_range(picture)).into_owned()),
+            false => self.eyes.split(picture),
+        };
+        match self.part {
+            Some(part) => {
+                let whole = eyes.iter().map(|eye| part.whole_of(eye, self.black()));
+                Cow::Owned(whole.collect())
+            }
+            None => eyes,
         }
     }
 

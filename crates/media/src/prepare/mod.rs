@@ -25,6 +25,8 @@ pub use crate::surround::found::Surround;
 pub use error::PrepareError;
 pub use identity::pack_identity_of;
 pub use plan::PreparationPlan;
+pub use rates::samples::{SampleWindow, coded, sample_windows};
+pub use rates::tile_rates::TileLook;
 pub use remarks::Remarks;
 pub use settings::{PrepareSettings, ProjectionChoice, Quality, SpherePack, StereoChoice};
 
@@ -53,6 +55,7 @@ use foveal_core::view::picture::Picture;
 use identity::{FileStamp, identity_of};
 use notes::Notes;
 use notes::decoded_groups::{DecodedGroups, ShownGroup};
+use rates::tile_rates::rate_of_tile;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::PoisonError;
@@ -508,7 +511,7 @@ impl<'a> Coder<'a> {
 
     /// Codes one group of one tile, and lets go of its pictures.
     fn code_tile(&self, level: u8, group: Vec<Picture>) -> Result<CodedTile, PrepareError> {
-        let access_units = encode_group(&self.settings_of(level), &group)?;
+        let access_units = encode_group(&self.settings_of(level, &group), &group)?;
         Ok(CodedTile {
             cues: self.notes.cues(level, &group),
             shown: self.shown.decoded(&access_units, group)?,
@@ -516,11 +519,15 @@ impl<'a> Coder<'a> {
         })
     }
 
-    fn settings_of(&self, level: u8) -> EncodeSettings {
+    fn settings_of(&self, level: u8, group: &[Picture]) -> EncodeSettings {
         let description = &self.plan.description;
+        let mut rate = self.plan.rates[usize::from(level)];
+        if description.quality_by_tile {
+            rate = rate_of_tile(rate, group, description.colour);
+        }
         EncodeSettings {
             codec: description.codec,
-            rate: self.plan.rates[usize::from(level)],
+            rate,
             frame_rate: description
                 .frame_rate
                 .map(|n| n.min(i32::MAX as u32) as i32),

@@ -1,7 +1,7 @@
 //! What will a pack of this input look like?
 
 use super::error::PrepareError;
-use super::rates::{describe, rates_of};
+use super::rates::{describe, is_auto, rates_of};
 use super::remarks::Remarks;
 use super::settings::{FACE_SIZES, PrepareSettings, SpherePack};
 use crate::read::options::ReadOptions;
@@ -75,7 +75,6 @@ impl PreparationPlan {
     ) -> Result<Self, PrepareError> {
         let mut remarks = Remarks::default();
         let found = surround_of(input, info, settings, &mut remarks)?;
-        let surround = found.surround;
         let surface = surface_as_asked(&found, settings)?;
         let levels = levels_as_asked(surface, settings);
         let cut = settings.cut.unwrap_or(Cut::pyramid_for(&surface));
@@ -83,7 +82,7 @@ impl PreparationPlan {
         refuse_broken(input, info, settings)?;
         remark_on(info, settings, &mut remarks);
         let stretch_to_full_range = stretches(info, settings);
-        let is_moved = is_resampled(surround, &surface);
+        let is_moved = is_resampled(found.surround, &surface);
         let colour = colour_of(info, stretch_to_full_range, is_moved);
         let rates = rates_of(settings, info.looks_still, levels)?;
         let frame_rate = info.frame_rate.map(|n| n.max(1) as u32);
@@ -102,6 +101,7 @@ impl PreparationPlan {
             codec: settings.codec,
             quality: Vec::new(),
             quality_scale: QualityScale::default(),
+            quality_by_tile: is_auto(settings, info),
             bit_rates: Vec::new(),
             groups: groups(levels, info.looks_still, frame_rate),
             frames: info.frames.unwrap_or(1).clamp(1, 1 << 24) as u32,
@@ -119,7 +119,7 @@ impl PreparationPlan {
         Ok(Self {
             description,
             grid,
-            surround,
+            surround: found.surround,
             eyes: found.eyes,
             part: found.part,
             eye_size: found.eye_size,
@@ -154,23 +154,22 @@ impl PreparationPlan {
 
     /// Everything but the input and the program that the bytes of the pack depend on, as text.
     pub(super) fn what_decides_the_bytes(&self) -> String {
-        // Remarks tell of what decides, and decide nothing.
-        let about = &Description {
+        // Remarks tell of what decides, and decide nothing; quantisers that are looked for follow
+        // from the input.
+        let mut about = Description {
             remarks: Vec::new(),
             repairs: Default::default(),
             ..self.description.clone()
         };
+        let mut rates = &self.rates[..];
+        if self.description.quality_by_tile {
+            about.quality.clear();
+            rates = &[];
+        }
         format!(
             "{:?}",
             (
-                (
-                    about,
-                    self.grid,
-                    self.surround,
-                    self.eyes,
-                    self.part,
-                    &self.rates
-                ),
+                (about, self.grid, self.surround, self.eyes, self.part, rates),
                 (self.speed, self.most_frames, self.has_sound),
                 (
                     self.source_chroma_left,

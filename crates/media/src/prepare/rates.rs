@@ -1,12 +1,17 @@
 //! How fine, or of how many bytes, is each level coded?
 
+pub(super) mod samples;
+pub(super) mod tile_rates;
+
 use super::error::PrepareError;
 use super::settings::{PrepareSettings, Quality};
+use crate::read::source::SourceInfo;
 use crate::tiles::encode_settings::Rate;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::Description;
 use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::units::counted;
+use tile_rates::follows_content;
 
 /// The rate of each level, finest first; the codec's default for a still or for film where nothing
 /// is asked for.
@@ -16,7 +21,7 @@ pub(super) fn rates_of(
     levels: u8,
 ) -> Result<Vec<Rate>, PrepareError> {
     let asked: Vec<Rate> = match &settings.quality {
-        None => {
+        None | Some(Quality::Auto) => {
             let [of_film, of_still] = default_quantisers(settings.codec);
             vec![Rate::Quantiser(if is_still { of_still } else { of_film })]
         }
@@ -32,6 +37,11 @@ pub(super) fn rates_of(
             counted(levels, "level")
         ))),
     }
+}
+
+/// Whether quantisers are to follow what is seen.
+pub(super) fn is_auto(settings: &PrepareSettings, info: &SourceInfo) -> bool {
+    settings.quality == Some(Quality::Auto) && !info.looks_still && follows_content(settings.codec)
 }
 
 /// Writes the rates into a description.

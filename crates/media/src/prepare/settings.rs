@@ -125,6 +125,9 @@ pub enum StereoChoice {
 /// What the caller asks for: one value for all levels, or one a level, finest first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Quality {
+    /// Quantisers that follow what is seen: those of levels are looked for, and a tile's goes by
+    /// its light and texture. Of film in VP9; else the codec's default quantiser.
+    Auto,
     /// Fixed quantisers, lower is finer.
     Quantiser(Vec<u8>),
     /// JPEG qualities on the scale of the Independent JPEG Group, 1 to 100, higher is finer.

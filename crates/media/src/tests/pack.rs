@@ -147,7 +147,7 @@ fn the_bytes_of_a_lossless_pack_are_what_they_always_were() {
     assert!(json.contains(told), "{json}");
     let json = json.replace(told, "");
     let hashed = [json.as_bytes(), &bytes[data..]].concat();
-    let expected = "a268eefe5d64c54c467d448cf46fac85852336876810cbd13aa8eb685464c761";
+    let expected = "749d09e4e9398b3c88006b768c87d644b341d9757ab12ab0eef0146d93820872";
     assert_eq!(sha256_hex(&hashed), expected);
 }
 

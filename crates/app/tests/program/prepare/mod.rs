@@ -2,4 +2,5 @@
 
 mod again;
 mod pictures;
+mod quality;
 mod told;

@@ -42,6 +42,7 @@ fn video(frames: u32) -> Video {
         codec: Codec::Png,
         quality: vec![0],
         quality_scale: Default::default(),
+        quality_by_tile: false,
         bit_rates: Vec::new(),
         groups: vec![1],
         frames,

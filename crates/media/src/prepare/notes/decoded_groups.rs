@@ -127,9 +127,11 @@ impl DecodedGroups {
         let (origin, from) = (grid.origin(tile), grid.origin(under));
         let at = [0, 1].map(|k| (origin[k] - from[k]) / grid.scale(level));
         let (size, coarse_size) = (grid.tile_size(tile), grid.tile_size(under));
-        let before: usize = groups.iter().take(group).map(Vec::len).sum();
         let under = &self.waiting[usize::from(level) + 1][grid.rank(under) as usize];
-        let under = under.iter().flatten().skip(before);
+        // Both end with the same frame; what of the coarser one came before was measured against.
+        let from_group: usize = groups.iter().skip(group).map(Vec::len).sum();
+        let all: usize = under.iter().map(Vec::len).sum();
+        let under = under.iter().flatten().skip(all - from_group.min(all));
         let steps = groups.get(group).into_iter().flatten().zip(under);
         let signatures = steps.map(|(fine, coarse)| {
             let coarse = LumaPlane {

@@ -55,6 +55,10 @@ pub struct Description {
     /// The scale of `quality`.
     #[serde(default, skip_serializing_if = "QualityScale::is_default")]
     pub quality_scale: QualityScale,
+    /// Whether the quantiser of a tile goes by its light and texture as well; `quality` is then
+    /// what theirs are multiples of.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub quality_by_tile: bool,
     /// Bits per second that each tile of a level was coded for, finest level first; empty where the
     /// quality was fixed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -107,6 +111,10 @@ fn square_pixels() -> [u32; 2] {
 
 fn are_square_pixels(aspect: &[u32; 2]) -> bool {
     *aspect == square_pixels()
+}
+
+fn is_false(flag: &bool) -> bool {
+    !*flag
 }
 
 fn is_zero(number: &f64) -> bool {

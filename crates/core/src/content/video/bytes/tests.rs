@@ -28,6 +28,7 @@ fn description() -> Description {
         codec: Codec::Png,
         quality: vec![0; 3],
         quality_scale: QualityScale::default(),
+        quality_by_tile: false,
         bit_rates: Vec::new(),
         groups: vec![2, 4, 4],
         frames: 7,
