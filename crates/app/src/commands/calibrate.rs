@@ -49,7 +49,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
             args.pack.display()
         );
     }
-    let is_same = |one: &PathBuf, other: &PathBuf| match (one.canonicalize(), other.canonicalize()) {
+    let is_same = |one: &PathBuf, other: &PathBuf| match (one.canonicalize(), other.canonicalize())
+    {
         (Ok(one), Ok(other)) => one == other,
         _ => false,
     };

@@ -311,8 +311,9 @@ impl PrepareVideoArgs {
         let at_target = calibration.and_then(CalibrationInfo::at_default_target);
         let text = match at_target {
             Some((policy, share)) => format!(
-                "{text}\n{DEFAULT_TARGET} JOD takes {:.1} % of the pixels of this content, by \
+                "{}\n{DEFAULT_TARGET} JOD takes {:.1} % of the pixels of this content, by \
                  {policy}",
+                text.trim_end(),
                 100.0 * share.min(1.0)
             ),
             None => text.to_owned(),

@@ -1,8 +1,8 @@
 //! Which options that were given change nothing?
 
+use crate::options::policy::PolicyChoice;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
-use crate::options::policy::PolicyChoice;
 use foveal_core::content::policy::Policy;
 use foveal_media::pack::scene_file::is_scene_pack;
 use std::collections::BTreeSet;

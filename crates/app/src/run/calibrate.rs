@@ -75,7 +75,14 @@ pub(crate) fn calibrate(
     let mut frames = 0;
     for density in &densities {
         let stage = Stage::new(&file, density, jobs)?;
-        frames = frames.max(stage.seen.iter().map(|seen| seen.full.len()).max().unwrap_or(0));
+        frames = frames.max(
+            stage
+                .seen
+                .iter()
+                .map(|seen| seen.full.len())
+                .max()
+                .unwrap_or(0),
+        );
         for rule in [Expectation::ByLoss, Expectation::Elsewise] {
             rows.extend(stage.rows(rule, extent)?);
         }
@@ -103,11 +110,7 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// Draws what the finest level shows.
-    fn new(
-        file: &'a Arc<PackFile>,
-        density: &'a Density,
-        jobs: usize,
-    ) -> anyhow::Result<Self> {
+    fn new(file: &'a Arc<PackFile>, density: &'a Density, jobs: usize) -> anyhow::Result<Self> {
         let about = file.pack().description();
         let display = display_of_view(&density.view, about.projection);
         let fps = (density.frames > 1).then(|| about.fps());
@@ -228,7 +231,11 @@ impl<'a> Stage<'a> {
     }
 
     /// Bytes of these tiles that one frame takes: of each unit its share of the frames.
-    fn bytes_of(&self, frame: u32, tiles: &[foveal_core::content::video::grid::tile_grid::Tile]) -> f64 {
+    fn bytes_of(
+        &self,
+        frame: u32,
+        tiles: &[foveal_core::content::video::grid::tile_grid::Tile],
+    ) -> f64 {
         let pack = self.file.pack();
         let bytes = tiles.iter().map(|tile| {
             let unit = pack.unit(*tile, frame);
@@ -272,7 +279,10 @@ fn in_parallel<A: Sync, B: Send>(
             part.join()
                 .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
-        parts.into_iter().map(join).collect::<anyhow::Result<Vec<Vec<B>>>>()
+        parts
+            .into_iter()
+            .map(join)
+            .collect::<anyhow::Result<Vec<Vec<B>>>>()
     })?;
     Ok(made.into_iter().flatten().collect())
 }

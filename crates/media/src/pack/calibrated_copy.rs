@@ -41,7 +41,13 @@ pub fn write_calibrated(
     let mut to = to.map_err(|source| cannot_begin(claim.path(), source))?;
     let written = write(&mut from, &mut to, &parts, bytes);
     let ended = written
-        .map_err(|e| io(claim.path(), "cannot be written; nothing was left behind", e))
+        .map_err(|e| {
+            io(
+                claim.path(),
+                "cannot be written; nothing was left behind",
+                e,
+            )
+        })
         .and_then(|()| match PackFile::open(&partial)?.verify(|_, _| ()) {
             damage if damage.is_empty() => Ok(()),
             _ => Err(io(

@@ -225,7 +225,9 @@ impl PackWriter {
         whole.map_err(|source| self.refused(source))?;
         let written = parts.tail.len();
         let parts = look(parts, self.claim.partial()).map_err(format(self.claim.path()))?;
-        let on_disk = self.file.seek(SeekFrom::Start(chunk_bytes + written as u64));
+        let on_disk = self
+            .file
+            .seek(SeekFrom::Start(chunk_bytes + written as u64));
         let on_disk = on_disk.and_then(|_| self.file.write_all(&parts.tail[written..]));
         let on_disk = on_disk.and_then(|()| self.write_head(&parts.head));
         let on_disk = on_disk.and_then(|()| self.file.get_ref().sync_all());

@@ -106,7 +106,11 @@ pub(super) fn glimpses_of(
     let about = file.pack().description();
     let surface = about.grid(Screen::default()).surface;
     let windows = windows_of(file)?;
-    let frames = windows.iter().map(|it| it.end - it.start).max().unwrap_or(1);
+    let frames = windows
+        .iter()
+        .map(|it| it.end - it.start)
+        .max()
+        .unwrap_or(1);
     let mut densities: Vec<Density> = views_of(&surface)
         .into_iter()
         .map(|view| Density {
@@ -141,7 +145,13 @@ pub(super) fn glimpses_of(
     }
     let short = densities.iter().filter(|it| it.glimpses.len() < most);
     let short: Vec<String> = short
-        .map(|it| format!("{} of {most} at {:.1} pixels per degree", it.glimpses.len(), it.ppd()))
+        .map(|it| {
+            format!(
+                "{} of {most} at {:.1} pixels per degree",
+                it.glimpses.len(),
+                it.ppd()
+            )
+        })
         .collect();
     let left_out = (!short.is_empty()).then(|| {
         format!(
@@ -164,7 +174,9 @@ fn views_of(surface: &Surface) -> Vec<EyeView> {
                 let width = width / f64::from(by);
                 [width, width * shape].map(|side| side.round().max(1.0) as u32)
             });
-            let fits = sizes.into_iter().filter(|size| size[0].min(size[1]) >= LEAST_SIDE);
+            let fits = sizes
+                .into_iter()
+                .filter(|size| size[0].min(size[1]) >= LEAST_SIDE);
             fits.map(|size| EyeView::holding(surface, size)).collect()
         }
         Projection::Cube | Projection::Equirect => SPHERE_VIEWS.map(sphere_view).to_vec(),
@@ -230,7 +242,9 @@ fn windows_of(file: &PackFile) -> anyhow::Result<Vec<Range<u32>>> {
     let window = |start: u32| start..(start + WINDOW).min(about.frames);
     let starts = (0..about.frames).step_by(length as usize);
     // What is cut off at the end is not judged, unless it is all there is.
-    let whole: Vec<u32> = starts.filter(|start| start + WINDOW <= about.frames).collect();
+    let whole: Vec<u32> = starts
+        .filter(|start| start + WINDOW <= about.frames)
+        .collect();
     let changes = changes_of(file, about, &whole)?;
     let by_change = |a: &&(u32, f64), b: &&(u32, f64)| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0));
     let most = changes.iter().max_by(by_change);
@@ -253,9 +267,13 @@ fn changes_of(
     let grid = about.grid(Screen::default());
     let change = |start: u32| {
         let cues = cues.as_ref()?;
-        let tiles = grid.tiles_of(0).filter_map(|tile| cues.of(file.pack().unit(tile, start)));
+        let tiles = grid
+            .tiles_of(0)
+            .filter_map(|tile| cues.of(file.pack().unit(tile, start)));
         Some(tiles.map(|cues| cues.change).sum::<f64>())
     };
-    let all = starts.iter().map(|start| (*start, change(*start).unwrap_or(0.0)));
+    let all = starts
+        .iter()
+        .map(|start| (*start, change(*start).unwrap_or(0.0)));
     Ok(all.collect())
 }

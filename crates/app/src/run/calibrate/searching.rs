@@ -62,9 +62,8 @@ impl Search {
             return None;
         }
         let is_missing = |wanted: &f64| {
-            let is_near = |(_, found): &(f64, Found)| {
-                (mean(&found.jods) - wanted).abs() <= FOUND_WITHIN
-            };
+            let is_near =
+                |(_, found): &(f64, Found)| (mean(&found.jods) - wanted).abs() <= FOUND_WITHIN;
             !self.found.iter().any(is_near)
         };
         let is_new = |value: &f64| {
@@ -105,9 +104,7 @@ impl Search {
                 low[0] + share * (high[0] - low[0])
             }
             // Where next to nothing is lost, how little tells nothing of what lies beyond.
-            (Some(low), Some(high)) => {
-                by_law(high).max(low[0] + 0.3 * (high[0] - low[0]))
-            }
+            (Some(low), Some(high)) => by_law(high).max(low[0] + 0.3 * (high[0] - low[0])),
             (Some(low), None) => by_law(low).min(low[0] + MOST_STEP.ln()),
             (None, Some(high)) => by_law(high).max(high[0] - MOST_STEP.ln()),
             (None, None) => 0.0,

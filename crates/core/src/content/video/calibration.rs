@@ -110,7 +110,12 @@ impl CalibrationRow {
     /// By rule, density, part of the picture (the whole first), then rising bound.
     fn key(&self) -> (bool, f64, usize, f64) {
         let zone = self.zone.map_or(0, |zone| zone + 1);
-        (self.rule == Expectation::Elsewise, self.ppd, zone, self.bound)
+        (
+            self.rule == Expectation::Elsewise,
+            self.ppd,
+            zone,
+            self.bound,
+        )
     }
 
     /// Whether both tell of the same rule, density and part.
@@ -224,14 +229,16 @@ impl Calibration {
             (Some(first), Some(last)) => (first * 0.99..=last * 1.01).contains(&ppd.0),
             _ => true,
         };
-        [Expectation::ByLoss, Expectation::Elsewise].into_iter().map(of).all(within)
+        [Expectation::ByLoss, Expectation::Elsewise]
+            .into_iter()
+            .map(of)
+            .all(within)
     }
 
     fn curves(&self, rule: Expectation, ppd: f64) -> Curves {
         let of = |zone: Option<usize>| {
-            let is_of = |row: &&CalibrationRow| {
-                row.rule == rule && row.ppd == ppd && row.zone == zone
-            };
+            let is_of =
+                |row: &&CalibrationRow| row.rule == rule && row.ppd == ppd && row.zone == zone;
             self.rows.iter().filter(is_of).map(Point::of).collect()
         };
         Curves {

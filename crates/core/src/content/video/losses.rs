@@ -222,10 +222,11 @@ impl LossMeter {
             let footprints = places.iter().map(|place| sighted.footprint(place));
             let footprint = footprints.fold(f64::INFINITY, f64::min);
             let is_noisy = content.tells_of_noise();
-            let octaves = lost_octaves(&signatures, octaves_a_step, |step, octave| match is_noisy {
-                true => octave_share(octave, footprint),
-                false => drawn_share(step, footprint, octaves_a_step),
-            });
+            let octaves =
+                lost_octaves(&signatures, octaves_a_step, |step, octave| match is_noisy {
+                    true => octave_share(octave, footprint),
+                    false => drawn_share(step, footprint, octaves_a_step),
+                });
             for place in places {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;

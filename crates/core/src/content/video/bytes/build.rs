@@ -7,9 +7,7 @@ use super::needs::UNDERSTOOD;
 use super::pack::{numbers_of, unit_of};
 use crate::content::video::calibration::Calibration;
 use crate::content::video::grid::tile_grid::Tile;
-use crate::pack::{
-    HEADER_BYTES, Header, PackBuilder, PackError, PackHead, SideTable, TableEntry,
-};
+use crate::pack::{HEADER_BYTES, Header, PackBuilder, PackError, PackHead, SideTable, TableEntry};
 use crate::view::surface::{Screen, are_all_faces, is_one_eye};
 use serde::Serialize;
 

@@ -42,14 +42,20 @@ impl Calibration {
         let rows = &bytes[HEAD_BYTES..];
         if count > MOST_ROWS || rows.len() != count * ROW_BYTES {
             return Err(refused(
-                format!("{} for {}", counted(bytes.len(), "byte"), counted(count, "row")),
+                format!(
+                    "{} for {}",
+                    counted(bytes.len(), "byte"),
+                    counted(count, "row")
+                ),
                 "32 bytes a row of at most 1024, after 8",
             ));
         }
         let (rows, _) = rows.as_chunks::<ROW_BYTES>();
         let rows: Option<Vec<CalibrationRow>> = rows.iter().map(read_row).collect();
-        let rows = rows.ok_or_else(|| refused("another rule or zone".to_owned(), "0, 1; 0 to 3"))?;
-        Self::new(gazes, frames, rows).map_err(|expected| refused("other rows".to_owned(), expected))
+        let rows =
+            rows.ok_or_else(|| refused("another rule or zone".to_owned(), "0, 1; 0 to 3"))?;
+        Self::new(gazes, frames, rows)
+            .map_err(|expected| refused("other rows".to_owned(), expected))
     }
 
     /// The side table.
@@ -59,7 +65,9 @@ impl Calibration {
         bytes.extend(self.gazes.to_le_bytes());
         bytes.extend(self.frames.to_le_bytes());
         bytes.extend((self.rows().len() as u32).to_le_bytes());
-        self.rows().iter().for_each(|row| write_row(row, &mut bytes));
+        self.rows()
+            .iter()
+            .for_each(|row| write_row(row, &mut bytes));
         SideTable {
             name: CALIBRATION.to_owned(),
             version: CALIBRATION_VERSION,

@@ -50,7 +50,10 @@ fn losses(loss: [f64; ZONES]) -> ZoneLosses {
 fn a_score_that_was_found_is_expected_again() {
     let scale = calibration().at(Some(Ppd(10.0)));
     let found = scale.expected(Expectation::ByLoss, &losses([40.0, 40.0, 40.0]));
-    assert!((found.worst_zone - judged(2.0)(40.0)).abs() < 0.01, "{found:?}");
+    assert!(
+        (found.worst_zone - judged(2.0)(40.0)).abs() < 0.01,
+        "{found:?}"
+    );
     let middle = judged(1.2)(40.0);
     assert!((found.jod - middle).abs() < 0.05, "{found:?} {middle}");
 }
@@ -75,8 +78,14 @@ fn the_bounds_of_a_target_have_that_score_in_each_zone() {
             let bounds = scale.bounds(target).unwrap();
             let halves = bounds.0.map(|bound| bound / 2.0);
             let found = scale.expected(Expectation::ByLoss, &losses(halves));
-            assert!((found.jod - target).abs() < 0.02, "{ppd} {target}: {found:?}");
-            assert!(found.worst_zone > target - 0.02, "{ppd} {target}: {found:?}");
+            assert!(
+                (found.jod - target).abs() < 0.02,
+                "{ppd} {target}: {found:?}"
+            );
+            assert!(
+                found.worst_zone > target - 0.02,
+                "{ppd} {target}: {found:?}"
+            );
         }
     }
 }
@@ -109,7 +118,10 @@ fn a_zone_that_was_not_seen_is_taken_for_the_whole() {
     all.retain(|row| row.zone != Some(2));
     let scale = Calibration::new(1, 1, all).unwrap().at(None);
     let found = scale.expected(Expectation::ByLoss, &losses([0.0, 0.0, 40.0]));
-    assert!((found.worst_zone - judged(1.0)(40.0)).abs() < 0.01, "{found:?}");
+    assert!(
+        (found.worst_zone - judged(1.0)(40.0)).abs() < 0.01,
+        "{found:?}"
+    );
 }
 
 #[test]
