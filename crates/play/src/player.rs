@@ -106,6 +106,12 @@ impl Player {
     pub fn new(file: Arc<PackFile>, options: PlayerOptions) -> Result<Self, PlayError> {
         let mut options = options;
         let video = file.video(options.screen)?;
+        if let Err(error) = file.calibration() {
+            (options.tell)(&format!(
+                "warning: {error}; targets are kept by constants instead, as for packs without a \
+                 calibration"
+            ));
+        }
         check(&file, &video, &mut options)?;
         options.style.samples = options.config.policy == Policy::Sampled;
         let mut drawer = Drawer::new(&options.drawing, &video, options.style)?;

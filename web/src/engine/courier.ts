@@ -231,9 +231,10 @@ export class Courier {
     this.#decoders?.close();
   }
 
-  /** Fetches the table that a policy chooses by; settles once it is there, or cannot be had. */
+  /** Fetches the tables that a policy chooses by; settles once they are there, or cannot be had. */
   async tablesFor(policy: PolicyName): Promise<void> {
-    if (VALUED.includes(policy)) await this.#table("signatures");
+    if (!VALUED.includes(policy)) return;
+    await Promise.all([this.#table("signatures"), this.#table("calibration")]);
   }
 
   /** Whether the sound is there. */

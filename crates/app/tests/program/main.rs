@@ -8,6 +8,7 @@
 mod altered;
 mod bounded;
 mod bridge;
+mod calibrated;
 mod clouds;
 mod damage;
 mod documented;

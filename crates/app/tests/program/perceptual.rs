@@ -34,7 +34,7 @@ fn roll(x: u32, y: u32) -> u8 {
 }
 
 /// A world around the viewer of plain, soft, busy and striped patches, some of which move.
-fn patches(size: [u32; 2], frame: u32) -> Picture {
+pub(crate) fn patches(size: [u32; 2], frame: u32) -> Picture {
     picture(size, |plane, x, y| {
         let patch = roll(x / 64 + 1000, y / 64) % 5;
         if plane > 0 {

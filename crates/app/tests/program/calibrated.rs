@@ -1,0 +1,85 @@
+//! Does a pack keep the score that is asked for, and say what it takes?
+
+use crate::perceptual::patches;
+use crate::scenes::write_clip;
+use crate::support::{Folder, done, json, refused};
+use serde_json::Value;
+
+/// A clip of plain, soft, busy, striped and moving patches, prepared as a person would.
+fn prepared(folder: &Folder, name: &str, jobs: &str) -> (String, Value) {
+    let frames: Vec<_> = (0..24).map(|frame| patches([320, 192], frame)).collect();
+    let clip = write_clip(folder, "clip.mkv", &frames);
+    let pack = folder.name(name);
+    let how = ["--tile", "32", "--levels", "3", "--quality", "16", "--jobs", jobs];
+    let calibrated = ["--calibrate", "usual", "--no-loss"];
+    let prepare = ["prepare", "video", &clip, "--out", &pack];
+    let figures = json(&[&prepare[..], &how, &calibrated].concat());
+    (pack, figures)
+}
+
+#[test]
+fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
+    let folder = Folder::new();
+    let (pack, figures) = prepared(&folder, "one.foveal", "1");
+    let (again, _) = prepared(&folder, "two.foveal", "2");
+    let bytes = |path: &str| std::fs::read(path).unwrap();
+    assert!(bytes(&pack) == bytes(&again), "other bytes on two threads");
+    let share = figures["target_pixels_share"].as_f64().unwrap();
+    assert!((0.05..=1.1).contains(&share), "{share}");
+    let rows = figures["calibration"]["rows"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["zone"] == "under_5_deg"));
+    let out = folder.name("run");
+    for gaze in ["4,3", "-11,6"] {
+        let gaze = format!("--gaze={gaze}");
+        let run = json(&[
+            "simulate", &pack, &gaze, "--view", "320x192", "--score", "--pictures", "none",
+            "--renderer", "cpu", "--out", &out,
+        ]);
+        let score = run["score"]["jod"].as_f64().unwrap();
+        let expected = run["expected_jod"].as_f64().unwrap();
+        assert!((score - 9.5).abs() <= 0.2, "{gaze}: {score}");
+        assert!((score - expected).abs() <= 0.25, "{gaze}: {score}, {expected}");
+        assert_eq!(run["policy_chosen"], figures["target_policy"]);
+    }
+    let linked = json(&[
+        "simulate", &pack, "--link", "50mbit", "--renderer", "none", "--pictures", "none",
+        "--out", &out,
+    ]);
+    assert!(linked["expected_jod"].as_f64().unwrap() > 9.0, "{linked}");
+    assert_eq!(linked["stopped_at_target"], true);
+    assert!(linked["unspent_bytes"].as_u64().unwrap() > 0);
+    let replayed = done(&["replay", &format!("{out}/session.jsonl"), "--pack", &pack]);
+    assert!(replayed.stdout.contains("identical"), "{}", replayed.stdout);
+}
+
+#[test]
+fn an_older_pack_is_calibrated_into_another_and_nothing_else_is() {
+    let folder = Folder::new();
+    let frames: Vec<_> = (0..8).map(|frame| patches([160, 96], frame)).collect();
+    let clip = write_clip(&folder, "clip.mkv", &frames);
+    let [old, new] = ["old.foveal", "new.foveal"].map(|name| folder.name(name));
+    let how = ["--tile", "32", "--levels", "2", "--no-loss"];
+    done(&[&["prepare", "video", &clip, "--out", &old], &how[..]].concat());
+    let before = json(&["info", &old]);
+    assert_eq!(before["calibration"], Value::Null);
+    let made = json(&["calibrate", &old, "--out", &new]);
+    assert!(!made["calibration"]["rows"].as_array().unwrap().is_empty());
+    done(&["verify", &new]);
+    // Once more, over what it has.
+    done(&["calibrate", &new, "--out", &old, "--force"]);
+    let [old_bytes, new_bytes] = [&old, &new].map(|path| std::fs::read(path).unwrap());
+    assert!(old_bytes == new_bytes, "calibrating again gave other bytes");
+    refused(2, &["calibrate", &new, "--out", &new], &["--out", "itself"]);
+    refused(2, &["calibrate", &new, "--out", &old], &["--force"]);
+    // A table that is cut short is passed over; all else plays.
+    let mut cut = new_bytes;
+    let last = cut.len() - 1;
+    cut[last] ^= 1;
+    std::fs::write(&old, cut).unwrap();
+    let out = folder.name("run");
+    let ran = done(&[
+        "simulate", &old, "--frames", "2", "--renderer", "none", "--pictures", "none", "--out",
+        &out,
+    ]);
+    assert!(ran.stderr.contains("calibration"), "{}", ran.stderr);
+}
