@@ -38,7 +38,7 @@ enum Command {
     Info(commands::info::InfoArgs),
     /// Check every byte of a pack.
     Verify(commands::verify::VerifyArgs),
-    /// Judge a pack's content, so that a target is met exactly.
+    /// Test how a pack's score falls with detail, so that targets hold.
     Calibrate(commands::calibrate::CalibrateArgs),
     /// Show which levels a policy would choose, without content.
     Select(commands::select::SelectArgs),

@@ -2,10 +2,12 @@
 //!
 //! Choose, fetch, decode, draw: frames come one by one, as fast as they can be made.
 
+mod expecting;
+
 use crate::decoding::Decoding;
 use crate::error::PlayError;
 use crate::look::Look;
-use crate::report::{ExpectedLoss, FrameReport};
+use crate::report::FrameReport;
 use crate::step::step;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
@@ -15,13 +17,11 @@ use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::level_map::{LevelMap, histogram};
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::content::video::losses::LossMeter;
-use foveal_core::content::video::worth::{Gains, Worth};
+use foveal_core::content::video::worth::Worth;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::pack::unit::UnitId;
-use foveal_core::perception::glance::Glance;
 use foveal_core::perception::moment::Moment;
-use foveal_core::perception::parameters::{EyeState, Parameters};
-use foveal_core::perception::visible_loss::quality_of_jod;
+use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::actions::{Cache, Now, Pace, SessionAction, SessionEvent};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::session::log::{SessionFrame, SessionHead};
@@ -165,30 +165,6 @@ impl Player {
     #[must_use]
     pub fn config(&self) -> &PolicyConfig {
         &self.options.config
-    }
-
-    /// Whether the losses that are expected of frames foretell a score: where a link limits what is
-    /// bought only if a judge saw the content while it was prepared.
-    #[must_use]
-    pub fn knows_score(&self) -> bool {
-        let spends = self.config().policy.spends_a_budget();
-        self.video.calibration().is_some() || !(spends && self.options.bytes_per_s.is_finite())
-    }
-
-    /// Whether a link buys no more because what was bought reaches the target; `None` where nothing
-    /// is bought, or for no target.
-    #[must_use]
-    pub fn stopped_at_target(&self) -> Option<bool> {
-        let spends = self.config().policy.spends_a_budget();
-        let buys = spends && self.options.bytes_per_s.is_finite();
-        (buys && self.config().target.is_some()).then(|| self.session.has_reached())
-    }
-
-    /// Bytes that a link brings in this time; `None` without one.
-    #[must_use]
-    pub fn bytes_in(&self, time: Seconds) -> Option<f64> {
-        let bytes = self.options.bytes_per_s * time.0;
-        bytes.is_finite().then_some(bytes)
     }
 
     /// The tiles of the pack.
@@ -507,43 +483,6 @@ impl Player {
         let of_tile = |unit: &UnitRef| Content::unit(&*self.video, unit.unit).samples;
         let samples = self.drawer.samples();
         samples.map_or_else(|| units.iter().map(of_tile).sum(), |count| count as u64)
-    }
-
-    /// Share of the visible detail that is shown, and the quality difference that is expected of
-    /// it, in the view where that is largest.
-    fn judged(
-        &self,
-        frame: u32,
-        gaze: &GazeSample,
-        views: &[EyeView],
-        shown: &LevelMap,
-    ) -> Option<(f64, ExpectedLoss)> {
-        use foveal_core::content::video::units::VideoUnits;
-        let (judge, meter) = self.judge.as_ref()?;
-        let (video, grid) = (&*self.video, self.grid());
-        let rule = self.options.config.policy.expectation();
-        if !video.has_signatures() {
-            return None;
-        }
-        let glances = views.iter().map(|view| Glance {
-            gaze: *gaze,
-            view: Some(*view),
-            state: EyeState::Steady,
-        });
-        let through = |glance: Glance| {
-            let losses = meter.losses(grid, video, frame, &glance).of(shown);
-            let gains = judge.gains(grid, video, frame, &glance);
-            let scale = video.scale(glance.view.as_ref());
-            let jod = scale.expected(rule, &losses).jod;
-            let quality = quality_of_jod(jod);
-            (gains, ExpectedLoss { losses, quality })
-        };
-        let (gains, losses): (Vec<Gains>, Vec<ExpectedLoss>) = glances.map(through).unzip();
-        let gained = Gains::highest(gains).share(grid, shown);
-        let most = losses
-            .into_iter()
-            .max_by(|a, b| a.quality.total_cmp(&b.quality));
-        most.map(|most| (gained, most))
     }
 
     /// What shows the picture where the head is turned to, at least one view.

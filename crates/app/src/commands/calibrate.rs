@@ -2,7 +2,7 @@
 
 use crate::commands::info::PackInfo;
 use crate::report::output::{self, WrongUsage};
-use crate::run::calibrate::{Extent, calibrate};
+use crate::run::calibrate::{CalibrationExtent, calibrate};
 use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::bail;
 use clap::Args;
@@ -17,10 +17,10 @@ use std::time::Instant;
 pub(crate) struct CalibrateArgs {
     /// A pack of video.
     pack: PathBuf,
-    /// The pack to write: the same, with what was found.
+    /// The calibrated copy to write.
     #[arg(long, value_name = "PACK")]
     out: PathBuf,
-    /// Judge five gazes at all densities and bounds, whatever it takes.
+    /// Test five gazes at all densities and bounds, however long it takes.
     #[arg(long)]
     thorough: bool,
     /// Threads (default: all cores).
@@ -37,7 +37,7 @@ pub(crate) struct CalibrateArgs {
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     if is_scene_pack(&args.pack) {
         bail!(WrongUsage(format!(
-            "{}: is a scene; only what is chosen of video is calibrated",
+            "{}: is a scene; only packs of video can be calibrated",
             args.pack.display()
         )));
     }
@@ -69,8 +69,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     }
     let claim = NameClaim::of(&args.out, if_taken(there.as_ref()))?;
     let extent = match args.thorough {
-        true => Extent::Thorough,
-        false => Extent::Usual,
+        true => CalibrationExtent::Thorough,
+        false => CalibrationExtent::Usual,
     };
     let begun = Instant::now();
     let Some(found) = calibrate(&args.pack, extent, output::jobs(args.jobs)?)? else {

@@ -5,7 +5,7 @@ use crate::report::output;
 use crate::report::remarks::remarks_told;
 use clap::Args;
 use foveal_core::content::calibration::Expectation;
-use foveal_core::content::policy::DEFAULT_TARGET;
+use foveal_core::content::policy::{DEFAULT_TARGET, Policy};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::content::video::bytes::rate::QualityScale;
@@ -156,7 +156,7 @@ const PARTS: [&str; 4] = ["whole", "under_5_deg", "from_5_to_20_deg", "over_20_d
 impl CalibrationInfo {
     fn new(of: Calibration) -> Self {
         let row = |row: &CalibrationRow| CalibrationRowInfo {
-            policy: row.rule.policy().name(),
+            policy: Policy::judged_for(row.rule).name(),
             ppd: row.ppd,
             zone: PARTS[row.zone.map_or(0, |zone| zone + 1)],
             bound: row.bound,
@@ -177,7 +177,7 @@ impl CalibrationInfo {
     /// in the largest view that was judged.
     pub(crate) fn at_default_target(&self) -> Option<(&'static str, f64)> {
         let (rule, share) = self.of.cheaper(DEFAULT_TARGET, None)?;
-        Some((rule.policy().name(), share))
+        Some((Policy::judged_for(rule).name(), share))
     }
 
     fn text(&self) -> String {
@@ -187,7 +187,10 @@ impl CalibrationInfo {
                 let share = |rule: Expectation| {
                     let share = self.of.share_at(rule, target, Some(Ppd(ppd)))?;
                     let percent = 100.0 * share.min(1.0);
-                    Some(format!("{} {percent:.1} %", rule.policy().name()))
+                    Some(format!(
+                        "{} {percent:.1} %",
+                        Policy::judged_for(rule).name()
+                    ))
                 };
                 let rules = [Expectation::ByLoss, Expectation::Elsewise];
                 let shares: Vec<String> = rules.into_iter().filter_map(share).collect();

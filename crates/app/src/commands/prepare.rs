@@ -5,7 +5,7 @@ use crate::options::codec::CodecOptions;
 use crate::options::policy::{CutOptions, MappingName};
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, WrongUsage, out_of_range};
-use crate::run::calibrate::{Extent, calibrate};
+use crate::run::calibrate::{CalibrationExtent, calibrate};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
 use crate::run::pack_place::{if_taken, pack_at};
@@ -79,11 +79,11 @@ pub(crate) enum CalibrateName {
 }
 
 impl CalibrateName {
-    pub(crate) fn extent(self) -> Option<Extent> {
+    pub(crate) fn extent(self) -> Option<CalibrationExtent> {
         match self {
             Self::Off => None,
-            Self::Usual => Some(Extent::Usual),
-            Self::Thorough => Some(Extent::Thorough),
+            Self::Usual => Some(CalibrationExtent::Usual),
+            Self::Thorough => Some(CalibrationExtent::Thorough),
         }
     }
 }
@@ -148,8 +148,8 @@ pub(crate) struct PrepareVideoArgs {
     /// nine gazes.
     #[arg(long)]
     no_loss: bool,
-    /// Which score the content has at which bound, for the pack to tell (about a minute of a
-    /// processor): what --target chooses by.
+    /// Test how the score falls as detail is dropped, and store it in the pack: what --target
+    /// chooses by (about a minute of a processor).
     #[arg(long, value_enum, value_name = "EXTENT", default_value = "usual")]
     calibrate: CalibrateName,
     /// Twice as fast, larger files.
@@ -311,8 +311,8 @@ impl PrepareVideoArgs {
         let at_target = calibration.and_then(CalibrationInfo::at_default_target);
         let text = match at_target {
             Some((policy, share)) => format!(
-                "{}\n{DEFAULT_TARGET} JOD takes {:.1} % of the pixels of this content, by \
-                 {policy}",
+                "{}\n{DEFAULT_TARGET} JOD against the finest level takes {:.1} % of the pixels of \
+                 this content, by {policy}",
                 text.trim_end(),
                 100.0 * share.min(1.0)
             ),
@@ -465,6 +465,11 @@ impl Witness for Guide<'_> {
     fn calibration_of(&mut self, pack: &Path) -> Option<Calibration> {
         let extent = self.args.calibrate.extent()?;
         let input = &self.args.input;
+        output::say(&format!(
+            "{}: tests how the score falls as detail is dropped, which takes about a minute of a \
+             processor (--calibrate off leaves it out)",
+            input.display()
+        ));
         let begun = Instant::now();
         let found = calibrate(pack, extent, self.jobs);
         self.calibrate_s = begun.elapsed().as_secs_f64();

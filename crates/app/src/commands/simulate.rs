@@ -19,6 +19,7 @@ use crate::run::run_folder::{LOG, TABLE};
 use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::Description;
+use foveal_core::content::video::calibration::density_of;
 use foveal_core::perception::visible_loss::{BEST_JOD, jod_lost};
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::{Seconds, counted};
@@ -110,8 +111,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let args = &args.with_preset(about.projection);
     let args = &args.on_rig(rig.as_ref(), about)?;
     let panels = rig.map(|rig| rig.panels);
-    let (args, policy_chosen) = args.for_content(&file)?;
-    let args = &args;
+    let (args, policy_chosen) = &args.for_content(&file)?;
     let config = args.config()?;
     let showing = args.showing(config.policy)?;
     args.check_length(about)?;
@@ -140,17 +140,10 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     })?;
     let mut pictures = PictureSinks::new(args, playing.rate(about), panels.as_deref())?;
     if panels.is_some() {
-        // Should it be interrupted, this tells in which folders its pictures lie.
-        let begun = session(&player, &[]).write();
-        output::write_whole(&args.out.join(LOG), begun.as_bytes())?;
+        begin_log(&player, &args.out)?;
     }
-    let reports = play(
-        &mut player,
-        &mut gaze,
-        &playing,
-        &mut pictures,
-        &mut scoring,
-    )?;
+    let (sinks, judge) = (&mut pictures, &mut scoring);
+    let reports = play(&mut player, &mut gaze, &playing, sinks, judge)?;
     pictures.finish()?;
     let session = session(&player, &reports).write();
     let policy = player.config().policy.name();
@@ -162,7 +155,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
     tell_expectation(&player);
     let summary = RunSummary {
-        policy_chosen,
+        policy_chosen: *policy_chosen,
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
         panels: panels.map(|panels| PlayedPanel::all(&panels, jods)),
         score: scores.map(|scores| scores.lowest),
@@ -171,6 +164,12 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     tell_outside(&reports, &surface);
     summary.tell_missed();
     output::result(args.json, &summary, &summary.text(&args.out))
+}
+
+/// Begins the log: should a run be interrupted, it tells in which folders its pictures lie.
+fn begin_log(player: &Player, out: &Path) -> anyhow::Result<()> {
+    let begun = session(player, &[]).write();
+    output::write_whole(&out.join(LOG), begun.as_bytes())
 }
 
 /// Says where the eye looks beside flat content.
@@ -188,8 +187,8 @@ fn tell_outside(reports: &[FrameReport], surface: &Surface) {
     if outside > 0 {
         let reach = surface.tangents.map(|it| it.atan().to_degrees());
         output::say(&format!(
-            "warning: in {outside} of {} the gaze lies outside the picture, which reaches {:.1}° to \
-             each side and {:.1}° up and down",
+            "warning: in {outside} of {} the gaze lies outside the picture, which reaches {:.1}° \
+             to each side and {:.1}° up and down",
             counted(reports.len(), "frame"),
             reach[0],
             reach[1]
@@ -255,7 +254,9 @@ impl SimulateArgs {
         let surface = file.pack().description().grid(self.view.screen).surface;
         let view = self.view.eye_view(&surface)?;
         let calibration = file.calibration().ok().flatten();
-        let (policy, chosen) = self.policy.for_content(calibration.as_ref(), &view)?;
+        let (policy, chosen) = self
+            .policy
+            .for_content(calibration.as_ref(), density_of(&surface, &view))?;
         let with = Self {
             policy,
             ..self.clone()
@@ -476,17 +477,20 @@ impl RunSummary {
             return;
         };
         if jod < target - TARGET_WITHIN {
+            let more = match self.unspent_bytes {
+                Some(_) => "a faster --link brings more",
+                None => "a higher --target or --policy viewport shows more",
+            };
             output::say(&format!(
-                "warning: --target {target} is missed: the {what} is {jod:.2} JOD; a higher \
-                 --target or --policy viewport shows more"
+                "warning: --target {target} is missed: the {what} is {jod:.2} JOD; {more}"
             ));
         }
     }
 
     fn text(&self, out: &Path) -> String {
         format!(
-            "{} under {}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB fetched, \
-             {:.1} MPix decoded\n\
+            "{} under {}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB \
+             fetched, {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
              {}{}{}{}{}{}{}written to {}",

@@ -8,6 +8,7 @@ pub(crate) mod link;
 pub(crate) mod panels;
 pub(crate) mod perception;
 pub(crate) mod policy;
+pub(crate) mod policy_choice;
 pub(crate) mod preset;
 pub(crate) mod renderer;
 pub(crate) mod showing;

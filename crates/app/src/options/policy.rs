@@ -1,9 +1,9 @@
 //! Which options do several commands share, and how are their values written?
 
 use crate::options::perception::{PerceptionOptions, read_acuity};
+use crate::options::policy_choice::{PolicyChoice, policy_choice_parser};
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::{Context, anyhow, bail};
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use foveal_core::content::asked::{SLOPES, TARGETS};
 use foveal_core::content::policy::{
@@ -14,54 +14,12 @@ use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::measured::acuity::MeasuredAcuity;
-use foveal_core::units::{Radians, counted};
+use foveal_core::units::{Ppd, Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::{Mapping, Projection, Screen, Surface};
 use std::path::PathBuf;
-
-/// Reads a policy by its name.
-pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
-    let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
-    let names = Policy::ALL.map(value);
-    PossibleValuesParser::new(names).try_map(|name| Policy::named(&name).ok_or("no policy"))
-}
-
-/// The value of `--policy`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum PolicyChoice {
-    /// The rule that shows fewer pixels at the target, as far as a pack tells.
-    Auto,
-    Is(Policy),
-}
-
-impl PolicyChoice {
-    /// The policy that was named.
-    pub(crate) fn named(self) -> Option<Policy> {
-        match self {
-            Self::Is(policy) => Some(policy),
-            Self::Auto => None,
-        }
-    }
-}
-
-/// Reads a policy by its name, or auto.
-fn policy_choice_parser() -> impl TypedValueParser<Value = PolicyChoice> {
-    const AUTO: &str = "auto";
-    let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
-    let auto = PossibleValue::new(AUTO).help(
-        "whichever of perceptual and acuity shows fewer pixels of this content at the target, as \
-         its pack tells",
-    );
-    let names = [auto].into_iter().chain(Policy::ALL.map(value));
-    PossibleValuesParser::new(names).try_map(|name| match name == AUTO {
-        true => Ok(PolicyChoice::Auto),
-        false => Policy::named(&name)
-            .map(PolicyChoice::Is)
-            .ok_or("no policy"),
-    })
-}
 
 /// The value of `--acuity`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -267,7 +225,6 @@ impl PolicyOptions {
         self.named().unwrap_or(usual)
     }
 
-    /// The policy that was asked for by its name.
     pub(crate) fn named(&self) -> Option<Policy> {
         self.policy.and_then(PolicyChoice::named)
     }
@@ -277,18 +234,16 @@ impl PolicyOptions {
     pub(crate) fn for_content(
         &self,
         calibration: Option<&Calibration>,
-        view: &EyeView,
+        density: Ppd,
     ) -> anyhow::Result<(Self, Option<Policy>)> {
         let is_open = self.named().is_none() && self.policy() == Policy::Perceptual;
         let (Some(calibration), true) = (calibration, is_open) else {
             return Ok((self.clone(), None));
         };
-        let ppd = view.as_seen().least_ppd();
         let target = self.target(Policy::Perceptual)?;
-        let cheaper = target.and_then(|target| calibration.cheaper(target, Some(ppd)));
-        let policy = cheaper.map(|(rule, _)| rule.policy());
-        let with = policy.map_or_else(|| self.clone(), |policy| self.under(policy));
-        Ok((with, policy))
+        let cheaper = target.and_then(|target| calibration.cheaper(target, Some(density)));
+        let policy = cheaper.map(|(rule, _)| Policy::judged_for(rule));
+        Ok((self.under(policy.unwrap_or(Policy::Perceptual)), policy))
     }
 
     /// The same parameters for this policy.

@@ -1,6 +1,6 @@
 //! Which options that were given change nothing?
 
-use crate::options::policy::PolicyChoice;
+use crate::options::policy_choice::PolicyChoice;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use foveal_core::content::policy::Policy;

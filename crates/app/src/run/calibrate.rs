@@ -6,14 +6,17 @@
 //! on machine and threads.
 
 mod glimpses;
+mod measures;
 mod searching;
+
+pub(crate) use measures::CalibrationExtent;
 
 use crate::commands::score::{display_of_view, picture_of};
 use crate::run::open_player::open_player;
 use anyhow::Context;
 use foveal_core::content::calibration::Expectation;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::video::calibration::{Calibration, CalibrationRow, ZONES, ZoneLosses};
+use foveal_core::content::video::calibration::{Calibration, CalibrationRow};
 use foveal_eval::score::pooling::Pool;
 use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
@@ -21,36 +24,16 @@ use foveal_media::tiles::decoders::DecoderChoice;
 use foveal_play::{Decoding, PlayerOptions};
 use foveal_render::{DrawDevice, TileStyle};
 use glimpses::{Density, Glimpse, glimpses_of};
+use measures::FoundAtBound;
 use searching::{Search, rows_of};
 use std::path::Path;
 use std::sync::Arc;
-
-/// How much of a content is judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
-    /// As much as a minute of a processor allows.
-    Usual,
-    /// Five gazes, all densities and bounds.
-    Thorough,
-}
 
 /// What was found, and what was not looked at.
 pub(crate) struct Calibrated {
     pub(crate) calibration: Calibration,
     /// Gazes and frames of some densities, in words; empty if all were looked at.
     pub(crate) left_out: Option<String>,
-}
-
-/// What the judge found at one bound of one density.
-#[derive(Clone, Debug, Default)]
-struct Found {
-    /// Of each glimpse.
-    jods: Vec<f64>,
-    /// By zone, of each glimpse in which it is seen.
-    zones: [Vec<f64>; ZONES],
-    losses: ZoneLosses,
-    shares: Vec<f64>,
-    bytes: Vec<f64>,
 }
 
 /// A glimpse, and what the finest level shows in it.
@@ -63,7 +46,7 @@ struct Seen {
 /// for a score.
 pub(crate) fn calibrate(
     pack: &Path,
-    extent: Extent,
+    extent: CalibrationExtent,
     jobs: usize,
 ) -> anyhow::Result<Option<Calibrated>> {
     let file = Arc::new(PackFile::open(pack)?);
@@ -143,7 +126,11 @@ impl<'a> Stage<'a> {
     }
 
     /// The scores of one rule at the bounds that are looked for.
-    fn rows(&self, rule: Expectation, extent: Extent) -> anyhow::Result<Vec<CalibrationRow>> {
+    fn rows(
+        &self,
+        rule: Expectation,
+        extent: CalibrationExtent,
+    ) -> anyhow::Result<Vec<CalibrationRow>> {
         let mut search = Search::new(rule, extent);
         while let Some(value) = search.next() {
             let found = self.at(&config_of(rule, value))?;
@@ -153,9 +140,9 @@ impl<'a> Stage<'a> {
     }
 
     /// What the judge finds under this policy.
-    fn at(&self, config: &PolicyConfig) -> anyhow::Result<Found> {
+    fn at(&self, config: &PolicyConfig) -> anyhow::Result<FoundAtBound> {
         let judged = in_parallel(self.jobs, &self.seen, |seen| self.judged(config, seen))?;
-        let mut found = Found::default();
+        let mut found = FoundAtBound::default();
         for one in judged {
             found.jods.extend(one.jods);
             for (all, of_one) in found.zones.iter_mut().zip(one.zones) {
@@ -168,9 +155,9 @@ impl<'a> Stage<'a> {
         Ok(found)
     }
 
-    fn judged(&self, config: &PolicyConfig, seen: &Seen) -> anyhow::Result<Found> {
+    fn judged(&self, config: &PolicyConfig, seen: &Seen) -> anyhow::Result<FoundAtBound> {
         let mut judge = Judge::new(&self.viewing, 1)?;
-        let (mut pool, mut found) = (Pool::default(), Found::default());
+        let (mut pool, mut found) = (Pool::default(), FoundAtBound::default());
         let (mut share, mut bytes) = (0.0, 0.0);
         let mut full = seen.full.iter();
         self.play(config, &seen.glimpse, &mut |picture, report| {

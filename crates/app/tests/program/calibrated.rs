@@ -10,7 +10,16 @@ fn prepared(folder: &Folder, name: &str, jobs: &str) -> (String, Value) {
     let frames: Vec<_> = (0..24).map(|frame| patches([320, 192], frame)).collect();
     let clip = write_clip(folder, "clip.mkv", &frames);
     let pack = folder.name(name);
-    let how = ["--tile", "32", "--levels", "3", "--quality", "16", "--jobs", jobs];
+    let how = [
+        "--tile",
+        "32",
+        "--levels",
+        "3",
+        "--quality",
+        "16",
+        "--jobs",
+        jobs,
+    ];
     let calibrated = ["--calibrate", "usual", "--no-loss"];
     let prepare = ["prepare", "video", &clip, "--out", &pack];
     let figures = json(&[&prepare[..], &how, &calibrated].concat());
@@ -32,18 +41,39 @@ fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
     for gaze in ["4,3", "-11,6"] {
         let gaze = format!("--gaze={gaze}");
         let run = json(&[
-            "simulate", &pack, &gaze, "--view", "320x192", "--score", "--pictures", "none",
-            "--renderer", "cpu", "--out", &out,
+            "simulate",
+            &pack,
+            &gaze,
+            "--view",
+            "320x192",
+            "--score",
+            "--pictures",
+            "none",
+            "--renderer",
+            "cpu",
+            "--out",
+            &out,
         ]);
         let score = run["score"]["jod"].as_f64().unwrap();
         let expected = run["expected_jod"].as_f64().unwrap();
         assert!((score - 9.5).abs() <= 0.2, "{gaze}: {score}");
-        assert!((score - expected).abs() <= 0.25, "{gaze}: {score}, {expected}");
+        assert!(
+            (score - expected).abs() <= 0.25,
+            "{gaze}: {score}, {expected}"
+        );
         assert_eq!(run["policy_chosen"], figures["target_policy"]);
     }
     let linked = json(&[
-        "simulate", &pack, "--link", "50mbit", "--renderer", "none", "--pictures", "none",
-        "--out", &out,
+        "simulate",
+        &pack,
+        "--link",
+        "50mbit",
+        "--renderer",
+        "none",
+        "--pictures",
+        "none",
+        "--out",
+        &out,
     ]);
     assert!(linked["expected_jod"].as_f64().unwrap() > 9.0, "{linked}");
     assert_eq!(linked["stopped_at_target"], true);
@@ -78,7 +108,15 @@ fn an_older_pack_is_calibrated_into_another_and_nothing_else_is() {
     std::fs::write(&old, cut).unwrap();
     let out = folder.name("run");
     let ran = done(&[
-        "simulate", &old, "--frames", "2", "--renderer", "none", "--pictures", "none", "--out",
+        "simulate",
+        &old,
+        "--frames",
+        "2",
+        "--renderer",
+        "none",
+        "--pictures",
+        "none",
+        "--out",
         &out,
     ]);
     assert!(ran.stderr.contains("calibration"), "{}", ran.stderr);

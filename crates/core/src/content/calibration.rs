@@ -4,7 +4,6 @@
 //! command prints how the fit holds on others
 //! (docs/decisions/0013-levels-are-chosen-for-a-score.md).
 
-use crate::content::policy::Policy;
 use crate::perception::visible_loss::BEST_JOD;
 
 /// How levels were chosen, as far as signatures foretell what is lost.
@@ -45,15 +44,6 @@ const SLOPES: [[f64; 2]; 5] = [
 ];
 
 impl Expectation {
-    /// The policy that a judge sees content under.
-    #[must_use]
-    pub fn policy(self) -> Policy {
-        match self {
-            Self::ByLoss => Policy::Perceptual,
-            Self::Elsewise => Policy::Acuity,
-        }
-    }
-
     fn pairs(self) -> [[f64; 2]; 5] {
         match self {
             Self::ByLoss => TOLD_BY_LOSS,

@@ -44,6 +44,15 @@ impl Policy {
             _ => Expectation::Elsewise,
         }
     }
+
+    /// The policy under which a judge sees content for an expectation.
+    #[must_use]
+    pub fn judged_for(expectation: Expectation) -> Self {
+        match expectation {
+            Expectation::ByLoss => Self::Perceptual,
+            Expectation::Elsewise => Self::Acuity,
+        }
+    }
 }
 
 /// How far a gaze strays that means to stay: fixational eye movements and a tracker's noise.

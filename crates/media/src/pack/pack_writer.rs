@@ -205,8 +205,8 @@ impl PackWriter {
     }
 
     /// Writes what `finish` makes of all chunks, makes it durable and gives it its final name.
-    /// Before that `look` sees the whole pack, may describe it otherwise and add to its end, and `check` reads it
-    /// back and tells what of it is damaged. Returns its bytes.
+    /// Before that `look` sees the whole pack, may describe it otherwise and add to its end, and
+    /// `check` reads it back and tells what of it is damaged. Returns its bytes.
     pub(crate) fn end(
         mut self,
         finish: impl FnOnce(PackBuilder) -> Result<PackHead, PackError>,

@@ -9,7 +9,6 @@ mod built;
 mod bundles;
 mod cloud;
 mod clusters;
-mod folds;
 mod graph;
 mod groups;
 mod joined;

@@ -1,8 +1,10 @@
 //! What does a group of clusters look like with half the triangles?
 
+mod folds;
+
 use super::clusters::{GraphCluster, Part, adapter};
-use super::folds::{Unfolded, unfold};
 use super::mesh::GridMesh;
+use folds::{Unfolded, unfold};
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
 use meshopt::SimplifyOptions;
 use std::borrow::Cow;

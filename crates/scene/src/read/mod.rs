@@ -16,7 +16,6 @@ mod place;
 mod ply;
 mod polygon;
 mod search;
-mod sheets;
 mod single;
 mod sound;
 mod stl;

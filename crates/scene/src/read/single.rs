@@ -1,5 +1,7 @@
 //! How does one 3D file become a scene?
 
+mod sheets;
+
 use std::path::Path;
 
 use super::error::{Fault, ReadError};
@@ -8,7 +10,7 @@ use super::mends::Mends;
 use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::{shortened, utf8_of};
-use super::{gltf, las, obj, outliers, ply, sheets, sound, stl};
+use super::{gltf, las, obj, outliers, ply, sound, stl};
 use crate::source::{SourceMesh, SourceScene};
 
 /// How a scene is written in a file.

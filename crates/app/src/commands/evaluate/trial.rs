@@ -1,6 +1,6 @@
 //! What does a video take, prepared and played in one way?
 
-use crate::options::policy::policy_parser;
+use crate::options::policy_choice::policy_parser;
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting, out_of_range};
 use crate::run::kept_pack::plan_of;

@@ -1,7 +1,8 @@
 //! What can be asked of `foveal score`?
 
 use crate::commands::score::conditions::{DeviceName, GazeWords, ModeName, parse_gaze_words};
-use crate::options::policy::{PolicyOptions, ViewOptions, policy_parser};
+use crate::options::policy::{PolicyOptions, ViewOptions};
+use crate::options::policy_choice::policy_parser;
 use clap::{Args, ValueEnum};
 use foveal_core::content::policy::Policy;
 use foveal_eval::score::companion::Companion;

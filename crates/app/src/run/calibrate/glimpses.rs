@@ -1,6 +1,6 @@
 //! What is looked at while a pack is calibrated, from where, and for how long?
 
-use super::Extent;
+use super::measures::CalibrationExtent;
 use foveal_core::content::video::bytes::description::Description;
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::units::{Radians, Seconds, counted};
@@ -40,7 +40,7 @@ const SPHERE_GAZES: [[f64; 4]; 5] = [
     [-21.0, 34.0, -4.0, 7.0],
     [38.0, 5.0, 10.0, -6.0],
 ];
-/// Gazes of [`Extent::Usual`].
+/// Gazes of [`CalibrationExtent::Usual`].
 const USUAL_GAZES: usize = 3;
 /// Pixels that it draws and judges at most: about 45 s of a processor.
 const USUAL_PIXELS: f64 = 90e6;
@@ -101,7 +101,7 @@ impl Glimpse {
 /// What is looked at of a pack, and what is left out of it, in words.
 pub(super) fn glimpses_of(
     file: &PackFile,
-    extent: Extent,
+    extent: CalibrationExtent,
 ) -> anyhow::Result<(Vec<Density>, Option<String>)> {
     let about = file.pack().description();
     let surface = about.grid(Screen::default()).surface;
@@ -120,13 +120,13 @@ pub(super) fn glimpses_of(
         })
         .collect();
     let most_gazes = match extent {
-        Extent::Usual => USUAL_GAZES,
-        Extent::Thorough => FLAT_GAZES.len(),
+        CalibrationExtent::Usual => USUAL_GAZES,
+        CalibrationExtent::Thorough => FLAT_GAZES.len(),
     };
     let most = most_gazes * windows.len();
     let mut left = match extent {
-        Extent::Usual => USUAL_PIXELS,
-        Extent::Thorough => f64::INFINITY,
+        CalibrationExtent::Usual => USUAL_PIXELS,
+        CalibrationExtent::Thorough => f64::INFINITY,
     };
     // One of each at least; then each gets another in turn, as long as there is time.
     for round in 0..most {
@@ -155,7 +155,8 @@ pub(super) fn glimpses_of(
         .collect();
     let left_out = (!short.is_empty()).then(|| {
         format!(
-            "judged {} (a glimpse is a gaze over {}); --calibrate thorough judges more",
+            "tested {} samples of {} (the rest are skipped for time; a thorough calibration tests \
+             all)",
             short.join(", "),
             counted(frames, "frame")
         )

@@ -3,7 +3,7 @@
 //! The first comes from constants; each further one lies where those before foretell a score that
 //! is still to be found.
 
-use super::{Extent, Found};
+use super::measures::{CalibrationExtent, FoundAtBound};
 use foveal_core::content::calibration::{Expectation, slope_for};
 use foveal_core::content::video::calibration::{CalibrationRow, ZONES};
 use foveal_core::perception::visible_loss::{BEST_JOD, JOD_EXPONENT};
@@ -31,14 +31,14 @@ const MOST_STEP: f64 = 8.0;
 pub(super) struct Search {
     rule: Expectation,
     most: usize,
-    found: Vec<(f64, Found)>,
+    found: Vec<(f64, FoundAtBound)>,
 }
 
 impl Search {
-    pub(super) fn new(rule: Expectation, extent: Extent) -> Self {
+    pub(super) fn new(rule: Expectation, extent: CalibrationExtent) -> Self {
         let [bounds, slopes] = match extent {
-            Extent::Usual => USUAL,
-            Extent::Thorough => THOROUGH,
+            CalibrationExtent::Usual => USUAL,
+            CalibrationExtent::Thorough => THOROUGH,
         };
         Self {
             rule,
@@ -62,24 +62,25 @@ impl Search {
             return None;
         }
         let is_missing = |wanted: &f64| {
-            let is_near =
-                |(_, found): &(f64, Found)| (mean(&found.jods) - wanted).abs() <= FOUND_WITHIN;
+            let is_near = |(_, found): &(f64, FoundAtBound)| {
+                (mean(&found.jods) - wanted).abs() <= FOUND_WITHIN
+            };
             !self.found.iter().any(is_near)
         };
         let is_new = |value: &f64| {
-            let is_known = |(known, _): &(f64, Found)| (value / known - 1.0).abs() < 0.03;
+            let is_known = |(known, _): &(f64, FoundAtBound)| (value / known - 1.0).abs() < 0.03;
             !self.found.iter().any(is_known)
         };
         let missing = WANTED.into_iter().filter(is_missing);
         missing.map(|wanted| self.value_for(wanted)).find(is_new)
     }
 
-    pub(super) fn learn(&mut self, value: f64, found: Found) {
+    pub(super) fn learn(&mut self, value: f64, found: FoundAtBound) {
         self.found.push((value, found));
         self.found.sort_by(|a, b| a.0.total_cmp(&b.0));
     }
 
-    pub(super) fn found(self) -> Vec<(f64, Found)> {
+    pub(super) fn found(self) -> Vec<(f64, FoundAtBound)> {
         self.found
     }
 
@@ -117,7 +118,7 @@ impl Search {
 pub(super) fn rows_of(
     rule: Expectation,
     ppd: f64,
-    found: Vec<(f64, Found)>,
+    found: Vec<(f64, FoundAtBound)>,
 ) -> Vec<CalibrationRow> {
     let parts = [None].into_iter().chain((0..ZONES).map(Some));
     let rows = parts.flat_map(|zone| {

@@ -10,6 +10,8 @@ use crate::perception::visible_loss::{
     BEST_JOD, JOD_EXPONENT, SPACE_EXPONENT, jod_lost, quality_of_jod,
 };
 use crate::units::{Ppd, Radians};
+use crate::view::eye_view::EyeView;
+use crate::view::surface::{Projection, Screen, Surface};
 
 /// Zones of eccentricity that the judge tells apart.
 pub const ZONES: usize = 3;
@@ -25,13 +27,29 @@ const LEAST_LOST_JOD: f64 = 0.005;
 /// Less than this is lost by chance, in JOD.
 const LEAST_TELLING_JOD: f64 = 0.05;
 /// Scores are told of up to where so many times less is lost than at the best that was found.
-const MOST_BEYOND: f64 = 1.5;
+const MOST_BEYOND: f64 = 1.1;
+/// Densities that are nearer to each other are the same.
+const SAME_DENSITY: f64 = 0.02;
 
 /// The zone of an eccentricity: 0 under 5°, 1 from 5° to 20°, 2 beyond.
 #[must_use]
 pub fn zone_of(eccentricity: Radians) -> usize {
     let degrees = eccentricity.to_degrees();
     ZONE_BORDERS_DEG.iter().filter(|&&it| degrees >= it).count()
+}
+
+/// The density that content is looked up at in a view: pixels per degree in the middle of the view;
+/// of flat content those that the view would have where a screen of the usual distance shows it,
+/// as it was judged there. How small a view shows content tells more than how near it is.
+#[must_use]
+pub fn density_of(surface: &Surface, view: &EyeView) -> Ppd {
+    let ppd = view.as_seen().least_ppd();
+    if surface.projection != Projection::Flat {
+        return ppd;
+    }
+    let middle = surface.size.map(|side| f64::from(side) / 2.0);
+    let usual = Surface::flat(surface.size, Screen::default());
+    Ppd(ppd.0 * usual.ppd(middle).0 / surface.ppd(middle).0)
 }
 
 /// What a picture loses in each zone, as signatures foretell it.
@@ -199,6 +217,8 @@ impl Calibration {
                 return Side::default();
             };
             let asked = ppd.map_or(*last, |ppd| ppd.0.clamp(*first, *last));
+            let is_at = |density: &&f64| (asked / **density - 1.0).abs() < SAME_DENSITY;
+            let asked = densities.iter().find(is_at).copied().unwrap_or(asked);
             let above = densities.iter().position(|it| *it >= asked);
             let above = above.unwrap_or(densities.len() - 1);
             let below = match densities[above] > asked {

@@ -6,7 +6,7 @@
 use crate::content::video::calibration::{ZONES, ZoneBounds, ZoneLosses, zone_of};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{APART_DEG, CellPlace, Cells, SharedPlaces, Sighted};
-use crate::content::video::grid::tile_grid::TileGrid;
+use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
 use crate::perception::glance::Glance;
@@ -213,20 +213,7 @@ impl LossMeter {
             }
             let rank = grid.rank(grid.for_left_eye(cell.cell)) as usize;
             losses.in_view[rank] |= in_view;
-            let signatures = (0..grid.coarsest()).map(|level| {
-                let unit = content.unit(grid.tile_over(cell.cell, level), frame);
-                content.signature(unit).unwrap_or_default()
-            });
-            let signatures: Vec<Signature> = signatures.collect();
-            let octaves_a_step = grid.ratio.trailing_zeros() as usize;
-            let footprints = places.iter().map(|place| sighted.footprint(place));
-            let footprint = footprints.fold(f64::INFINITY, f64::min);
-            let is_noisy = content.tells_of_noise();
-            let octaves =
-                lost_octaves(&signatures, octaves_a_step, |step, octave| match is_noisy {
-                    true => octave_share(octave, footprint),
-                    false => drawn_share(step, footprint, octaves_a_step),
-                });
+            let octaves = octaves_of(grid, (content, frame), cell.cell, (&places, &sighted));
             for place in places {
                 let pixels = sighted.pixels(place);
                 losses.pixels[rank] += pixels;
@@ -283,6 +270,28 @@ impl LossMeter {
     }
 }
 
+/// What each level but the finest loses of each octave of a cell that is seen at these places.
+fn octaves_of(
+    grid: &TileGrid,
+    (content, frame): (&dyn VideoUnits, u32),
+    cell: Tile,
+    (places, sighted): (&[&CellPlace], &Sighted<'_>),
+) -> Vec<[LostOctave; MOST_OCTAVES]> {
+    let signatures = (0..grid.coarsest()).map(|level| {
+        let unit = content.unit(grid.tile_over(cell, level), frame);
+        content.signature(unit).unwrap_or_default()
+    });
+    let signatures: Vec<Signature> = signatures.collect();
+    let octaves_a_step = grid.ratio.trailing_zeros() as usize;
+    let footprints = places.iter().map(|place| sighted.footprint(place));
+    let footprint = footprints.fold(f64::INFINITY, f64::min);
+    let is_noisy = content.tells_of_noise();
+    lost_octaves(&signatures, octaves_a_step, |step, octave| match is_noisy {
+        true => octave_share(octave, footprint),
+        false => drawn_share(step, footprint, octaves_a_step),
+    })
+}
+
 /// How far beside the view a cell is seen fading into it, or lies in view between its places.
 fn beside(grid: &TileGrid) -> Radians {
     Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
@@ -296,8 +305,8 @@ fn drawn_share(step: usize, footprint: f64, octaves_a_step: usize) -> f64 {
 }
 
 /// How much is drawn of an octave, 0 the finest of level 0, where a pixel of the display covers
-/// `footprint` level-0 pixels on a side. Levels that such a view shows in place of each other differ
-/// in lower octaves by the noise that each was coded with.
+/// `footprint` level-0 pixels on a side. Levels that such a view shows in place of each other
+/// differ in lower octaves by the noise that each was coded with.
 fn octave_share(octave: usize, footprint: f64) -> f64 {
     (octave as f64 + 1.0 - libm::log2(footprint)).clamp(0.0, 1.0)
 }

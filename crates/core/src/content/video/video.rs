@@ -7,7 +7,7 @@ use super::bytes::frame_times::{FRAME_TIMES, nominal_times, parse_frame_times};
 use super::bytes::pack::VideoPack;
 use super::bytes::signatures::{SIGNATURES, Signatures};
 use super::bytes::sound::{SOUND, SoundTable};
-use super::calibration::{Calibration, Scale};
+use super::calibration::{Calibration, Scale, density_of};
 use super::demand::VideoDemand;
 use super::grid::places::SharedPlaces;
 use super::grid::tile_grid::{Tile, TileGrid};
@@ -321,7 +321,7 @@ impl VideoUnits for Video {
     }
 
     fn scale(&self, view: Option<&EyeView>) -> Scale {
-        let ppd = view.map(|view| view.as_seen().least_ppd());
+        let ppd = view.map(|view| density_of(&self.grid.surface, view));
         let scale = |calibration: &Calibration| calibration.at(ppd);
         self.calibration.get().map_or_else(Scale::usual, scale)
     }

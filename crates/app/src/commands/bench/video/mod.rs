@@ -11,7 +11,8 @@ mod equal;
 mod report;
 
 use crate::options::decoding::DecodingOptions;
-use crate::options::policy::{TargetChoice, parse_target, policy_parser};
+use crate::options::policy::{TargetChoice, parse_target};
+use crate::options::policy_choice::policy_parser;
 use crate::options::preset::SystemPreset;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};

@@ -133,8 +133,7 @@ fn to_files(
     };
     let mut filled = open(source)?;
     args.tell_shrunk(&filled.laid);
-    std::fs::create_dir_all(out)
-        .with_context(|| format!("--out {}: the folder cannot be made", out.display()))?;
+    make_folder(out)?;
     let is_world = source.world().is_some();
     let several = args.frames.is_some() || (source.moves() && !is_world);
     let most = args.frames.unwrap_or(if is_world { 1 } else { u32::MAX });
@@ -150,16 +149,13 @@ fn to_files(
             filled = open(source)?;
         }
         let atlas = filled.device.fill(&frame.picture)?;
-        let file = |name: &str| match several {
-            true => out.join(name).join(format!("frame_{frames:05}.png")),
-            false => out.join(format!("{name}.png")),
-        };
+        let file = |name: &str| picture_at(out, name, several.then_some(frames));
         if frames == 0 {
             tell_older(out, several, &names_of(&layout, &atlas, panels))?;
         }
         write_surfaces(&layout, &atlas, &file)?;
-        let bare = filled.bare.as_ref().map(|it| it.fill(&frame.picture));
-        let bare = bare.transpose()?;
+        let bare = filled.bare.as_ref();
+        let bare = bare.map(|it| it.fill(&frame.picture)).transpose()?;
         for (k, panel) in panels.iter().enumerate() {
             let seen = as_seen(panel, &atlas, layout.origins[k]);
             write_picture(&file(&panel.id), &seen)?;
@@ -181,6 +177,19 @@ fn to_files(
         laid: filled.laid,
         judges,
     })
+}
+
+/// Where the picture of that name lies: that of a frame, where there are several.
+fn picture_at(out: &Path, name: &str, frame: Option<u32>) -> PathBuf {
+    match frame {
+        Some(frame) => out.join(name).join(format!("frame_{frame:05}.png")),
+        None => out.join(format!("{name}.png")),
+    }
+}
+
+fn make_folder(out: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(out)
+        .with_context(|| format!("--out {}: the folder cannot be made", out.display()))
 }
 
 /// The names of all pictures of a frame.

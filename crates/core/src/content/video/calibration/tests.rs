@@ -1,3 +1,5 @@
+//! Do scores that were found come back, and is nonsense refused?
+
 use super::*;
 use crate::content::video::bytes::calibration_table::CALIBRATION_VERSION;
 use proptest::prelude::*;

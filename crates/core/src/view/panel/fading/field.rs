@@ -41,9 +41,9 @@ pub struct FadeField {
     /// Columns and rows of nodes, each at least 2.
     pub size: [usize; 2],
     /// Radians, row by row: how far inside the edges that other panels cover, and to the nearest of
-    /// all; negative outside, and no larger than is needed. The first is the width of the fade times
-    /// the product, over the sides of the panel, of the shares of it that the edges are away: so no
-    /// share of light changes twice as fast where two sides meet.
+    /// all; negative outside, and no larger than is needed. The first is the width of the fade
+    /// times the product, over the sides of the panel, of the shares of it that the edges are
+    /// away: so no share of light changes twice as fast where two sides meet.
     pub nodes: Vec<[f32; 2]>,
     /// The largest number of each kind.
     most: [f64; 2],

@@ -6,8 +6,8 @@
 
 use std::collections::HashMap;
 
-use super::sound::{count, places};
-use super::text::shortened;
+use crate::read::sound::{count, places};
+use crate::read::text::shortened;
 use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 
 /// The corners of a face by numbers of vertices, and which triangles it is, from the first.

@@ -5,8 +5,8 @@
 //! and coarse levels would tear it. Where front and back are parted along such folds, the rim is a
 //! seam instead, which moves along itself alone, both sides together.
 
-use super::clusters::Part;
-use super::mesh::GridMesh;
+use crate::build::clusters::Part;
+use crate::build::mesh::GridMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 const FOLDED: f64 = 0.97;
 
 /// A part whose folds are seams.
-pub(super) struct Unfolded {
+pub(in crate::build) struct Unfolded {
     /// For each vertex of the part the one that it stood for before.
     pub same: Vec<u32>,
     /// The vertices on folds; empty where there are none.
@@ -24,7 +24,7 @@ pub(super) struct Unfolded {
 }
 
 /// Parts front and back along the folds of a part, which gets vertices more.
-pub(super) fn unfold(mesh: &GridMesh, part: &mut Part) -> Unfolded {
+pub(in crate::build) fn unfold(mesh: &GridMesh, part: &mut Part) -> Unfolded {
     let mut same: Vec<u32> = (0..part.vertices.len() as u32).collect();
     let place = |vertex: u32| mesh.same_place[part.vertices[vertex as usize] as usize];
     let places: Vec<u32> = same.iter().map(|it| place(*it)).collect();

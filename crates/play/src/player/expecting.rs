@@ -1,0 +1,75 @@
+//! What is expected of what a player shows?
+
+use super::Player;
+use crate::report::ExpectedLoss;
+use foveal_core::content::video::grid::level_map::LevelMap;
+use foveal_core::content::video::units::VideoUnits;
+use foveal_core::content::video::worth::Gains;
+use foveal_core::gaze::sample::GazeSample;
+use foveal_core::perception::glance::Glance;
+use foveal_core::perception::parameters::EyeState;
+use foveal_core::perception::visible_loss::quality_of_jod;
+use foveal_core::units::Seconds;
+use foveal_core::view::eye_view::EyeView;
+
+impl Player {
+    /// Whether the losses that are expected of frames foretell a score: where a link limits what is
+    /// bought only if a judge saw the content while it was prepared.
+    #[must_use]
+    pub fn knows_score(&self) -> bool {
+        let spends = self.config().policy.spends_a_budget();
+        self.video.calibration().is_some() || !(spends && self.options.bytes_per_s.is_finite())
+    }
+
+    /// Whether a link buys no more because what was bought reaches the target; `None` where nothing
+    /// is bought, or for no target.
+    #[must_use]
+    pub fn stopped_at_target(&self) -> Option<bool> {
+        let spends = self.config().policy.spends_a_budget();
+        let buys = spends && self.options.bytes_per_s.is_finite();
+        (buys && self.config().target.is_some()).then(|| self.session.has_reached())
+    }
+
+    /// Bytes that a link brings in this time; `None` without one.
+    #[must_use]
+    pub fn bytes_in(&self, time: Seconds) -> Option<f64> {
+        let bytes = self.options.bytes_per_s * time.0;
+        bytes.is_finite().then_some(bytes)
+    }
+
+    /// Share of the visible detail that is shown, and the quality difference that is expected of
+    /// it, in the view where that is largest.
+    pub(super) fn judged(
+        &self,
+        frame: u32,
+        gaze: &GazeSample,
+        views: &[EyeView],
+        shown: &LevelMap,
+    ) -> Option<(f64, ExpectedLoss)> {
+        let (judge, meter) = self.judge.as_ref()?;
+        let (video, grid) = (&*self.video, self.grid());
+        let rule = self.options.config.policy.expectation();
+        if !video.has_signatures() {
+            return None;
+        }
+        let glances = views.iter().map(|view| Glance {
+            gaze: *gaze,
+            view: Some(*view),
+            state: EyeState::Steady,
+        });
+        let through = |glance: Glance| {
+            let losses = meter.losses(grid, video, frame, &glance).of(shown);
+            let gains = judge.gains(grid, video, frame, &glance);
+            let scale = video.scale(glance.view.as_ref());
+            let jod = scale.expected(rule, &losses).jod;
+            let quality = quality_of_jod(jod);
+            (gains, ExpectedLoss { losses, quality })
+        };
+        let (gains, losses): (Vec<Gains>, Vec<ExpectedLoss>) = glances.map(through).unzip();
+        let gained = Gains::highest(gains).share(grid, shown);
+        let most = losses
+            .into_iter()
+            .max_by(|a, b| a.quality.total_cmp(&b.quality));
+        most.map(|most| (gained, most))
+    }
+}
