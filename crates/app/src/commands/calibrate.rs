@@ -1,6 +1,6 @@
 //! How does a pack that was made before learn which score its content has at which bound?
 
-use crate::commands::info::PackInfo;
+use crate::commands::info::{CalibrationInfo, PackInfo};
 use crate::report::output::{self, WrongUsage};
 use crate::run::calibrate::{CalibrationExtent, calibrate};
 use crate::run::pack_place::{if_taken, pack_at};
@@ -10,6 +10,7 @@ use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_media::pack::write_calibrated;
+use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -32,6 +33,16 @@ pub(crate) struct CalibrateArgs {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Debug, Serialize)]
+struct CalibrateResult<'a> {
+    calibration: Option<&'a CalibrationInfo>,
+    target_pixels_share: Option<f64>,
+    target_policy: Option<&'static str>,
+    calibrate_s: f64,
+    bytes: u64,
 }
 
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
@@ -83,8 +94,23 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         output::say(&format!("{}: {left_out}", args.pack.display()));
     }
     write_calibrated(&args.pack, claim, &found.calibration)?;
-    let seconds = begun.elapsed().as_secs_f64();
+    let calibrate_s = begun.elapsed().as_secs_f64();
     let pack = PackInfo::new(&PackFile::open(&args.out)?)?;
-    let text = format!("{}: {seconds:.1} s\n{}", args.out.display(), pack.text());
-    output::result(args.json, &pack, &text)
+    let at_target = pack
+        .calibration
+        .as_ref()
+        .and_then(CalibrationInfo::at_default_target);
+    let done = CalibrateResult {
+        calibration: pack.calibration.as_ref(),
+        target_pixels_share: at_target.map(|(_, share)| share),
+        target_policy: at_target.map(|(policy, _)| policy),
+        calibrate_s,
+        bytes: pack.bytes,
+    };
+    let text = format!(
+        "{}: {calibrate_s:.1} s\n{}",
+        args.out.display(),
+        pack.text().trim_end()
+    );
+    output::result(args.json, &done, &text)
 }

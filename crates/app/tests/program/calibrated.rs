@@ -5,10 +5,8 @@ use crate::scenes::write_clip;
 use crate::support::{Folder, done, json, refused};
 use serde_json::Value;
 
-/// A clip of plain, soft, busy, striped and moving patches, prepared as a person would.
-fn prepared(folder: &Folder, name: &str, jobs: &str) -> (String, Value) {
-    let frames: Vec<_> = (0..24).map(|frame| patches([320, 192], frame)).collect();
-    let clip = write_clip(folder, "clip.mkv", &frames);
+/// A clip prepared as a person would, on so many threads.
+fn prepared(folder: &Folder, clip: &str, name: &str, jobs: &str) -> (String, Value) {
     let pack = folder.name(name);
     let how = [
         "--tile",
@@ -21,7 +19,7 @@ fn prepared(folder: &Folder, name: &str, jobs: &str) -> (String, Value) {
         jobs,
     ];
     let calibrated = ["--calibrate", "usual", "--no-loss"];
-    let prepare = ["prepare", "video", &clip, "--out", &pack];
+    let prepare = ["prepare", "video", clip, "--out", &pack];
     let figures = json(&[&prepare[..], &how, &calibrated].concat());
     (pack, figures)
 }
@@ -29,8 +27,10 @@ fn prepared(folder: &Folder, name: &str, jobs: &str) -> (String, Value) {
 #[test]
 fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
     let folder = Folder::new();
-    let (pack, figures) = prepared(&folder, "one.foveal", "1");
-    let (again, _) = prepared(&folder, "two.foveal", "2");
+    let frames: Vec<_> = (0..24).map(|frame| patches([320, 192], frame)).collect();
+    let clip = write_clip(&folder, "clip.mkv", &frames);
+    let (pack, figures) = prepared(&folder, &clip, "one.foveal", "1");
+    let (again, _) = prepared(&folder, &clip, "two.foveal", "2");
     let bytes = |path: &str| std::fs::read(path).unwrap();
     assert!(bytes(&pack) == bytes(&again), "other bytes on two threads");
     let share = figures["target_pixels_share"].as_f64().unwrap();

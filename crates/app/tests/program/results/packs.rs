@@ -80,7 +80,13 @@ fn a_pack_is_told_of_as_documented() {
     assert!(tiles["loss"].is_null(), "{tiles}");
     let larger = write_clip(&folder, "b.mkv", &waves([64, 48], 1));
     let judged = folder.name("judged.foveal");
-    let lossy = json(&["prepare", "video", &larger, "--fast", "--out", &judged]);
+    let of_eyes = ["--fast", "--calibrate", "usual", "--out", &judged];
+    let lossy = json(&[&["prepare", "video", &larger], &of_eyes[..]].concat());
+    let again = folder.name("again.foveal");
+    agrees(
+        "calibrate",
+        &[&json(&["calibrate", &judged, "--out", &again])],
+    );
     let whole = std::fs::read(write_clip(&folder, "c.mkv", &waves([64, 48], 9))).unwrap();
     let cut = folder.holding("cut.mkv", &whole[..whole.len() / 2]);
     let mended = folder.name("mended.foveal");
