@@ -53,7 +53,21 @@ fn a_preparation_that_ran_out_of_room_goes_on_when_there_is_some() {
     let folder = Folder::new();
     let clip = write_clip(&folder, "a.mkv", &noisy_clip([192, 128], 140));
     let (out, undisturbed) = (folder.name("a.foveal"), folder.name("b.foveal"));
-    let prepare = |out| ["prepare", "video", &clip, "--out", out, "--tile", "64"];
+    let prepare = |out| {
+        [
+            "prepare",
+            "video",
+            &clip,
+            "--out",
+            out,
+            "--tile",
+            "64",
+            "--quality",
+            "24",
+            "--calibrate",
+            "off",
+        ]
+    };
     done(&prepare(&undisturbed));
     let whole = std::fs::read(&undisturbed).unwrap();
     // Files may grow to three quarters of what is needed; blocks have 512 bytes.

@@ -38,8 +38,11 @@ fn go_all_the_way(folder: &Folder, size: [u32; 2], options: &[&str]) -> Value {
     let (pack, out) = (folder.name("a.foveal"), folder.name("out"));
     let prepare = [&["prepare", "video", &clip, "--out", &pack], options].concat();
     let mut prepared = json(&prepare);
-    let there = prepared.as_object_mut().unwrap().remove("already_there");
-    assert_eq!(there, Some(json!(false)));
+    let of_preparing = prepared.as_object_mut().unwrap();
+    assert_eq!(of_preparing.remove("already_there"), Some(json!(false)));
+    for key in ["target_pixels_share", "target_policy", "calibrate_s"] {
+        assert!(of_preparing.remove(key).is_some(), "{key}");
+    }
     let info = json(&["info", &pack]);
     assert_eq!(prepared, info);
     assert_keys(&info, &INFO);

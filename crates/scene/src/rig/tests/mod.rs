@@ -210,7 +210,7 @@ fn maps_of_floats_are_read_where_they_fit_and_unlit_pixels_stay_dark() {
     );
     let mut other = pfm_bytes(0.9);
     other[3] = b'5';
-    assert!(read(other).unwrap_err().contains("5 x 3 pixels"));
+    assert!(read(other).is_err(), "numbers of a larger map are missing");
     for cut in 0..pfm_bytes(0.9).len() {
         assert!(!read_any_pfm(&pfm_bytes(0.9)[..cut]));
     }

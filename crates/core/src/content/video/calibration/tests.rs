@@ -80,10 +80,11 @@ fn the_bounds_of_a_target_have_that_score_in_each_zone() {
             let bounds = scale.bounds(target).unwrap();
             let halves = bounds.0.map(|bound| bound / 2.0);
             let found = scale.expected(Expectation::ByLoss, &losses(halves));
-            assert!(
-                (found.jod - target).abs() < 0.02,
-                "{ppd} {target}: {found:?}"
-            );
+            // No bound goes beyond what was judged, whatever the target.
+            let is_judged = bounds.0.iter().all(|bound| *bound < 1270.0);
+            let off = (found.jod - target).abs();
+            assert!(off < 0.02 || !is_judged, "{ppd} {target}: {found:?}");
+            assert!(is_judged || target < 9.6, "{ppd} {target}: {bounds:?}");
             assert!(
                 found.worst_zone > target - 0.02,
                 "{ppd} {target}: {found:?}"
