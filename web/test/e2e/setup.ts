@@ -40,7 +40,8 @@ export default async function setup(project: TestProject): Promise<() => Promise
     const heard = name === "flat" ? { sound: sound() } : {};
     await writeAvi(clip, { size, framesPerSecond, pictures: pictures(size), ...heard });
     const pack = join(folder, `${name}.foveal`);
-    await run(program, ["prepare", "video", clip, "--out", pack, ...more]);
+    const fixed = ["--quality", "24", "--calibrate", "off"];
+    await run(program, ["prepare", "video", clip, "--out", pack, ...fixed, ...more]);
     return pack;
   };
   const equirect = ["--projection", "equirect", "--pack-projection", "equirect"];
