@@ -259,7 +259,7 @@ fn what_a_scene_cannot_do_is_said() {
         (
             "far.obj",
             b"v 0 0 0\nv 1 0 0\nv 0 2e15 0\nf 1 2 3\n",
-            "far.obj: object",
+            "far.obj: there is nothing to draw",
         ),
     ] {
         let bad = folder.holding(name, bytes);
