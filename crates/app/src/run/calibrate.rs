@@ -12,16 +12,19 @@ mod searching;
 pub(crate) use measures::CalibrationExtent;
 
 use crate::commands::score::{display_of_view, picture_of};
+use crate::run::in_parallel::in_parallel;
 use crate::run::open_player::open_player;
 use anyhow::Context;
 use foveal_core::content::calibration::Expectation;
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::content::video::calibration::{Calibration, CalibrationRow};
+use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::perception::acuity::AcuityModel;
 use foveal_eval::score::pooling::Pool;
 use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decoders::DecoderChoice;
-use foveal_play::{Decoding, PlayerOptions};
+use foveal_play::{Decoding, FrameReport, PlayerOptions};
 use foveal_render::{DrawDevice, TileStyle};
 use glimpses::{Density, Glimpse, glimpses_of};
 use measures::FoundAtBound;
@@ -189,7 +192,7 @@ impl<'a> Stage<'a> {
         &self,
         config: &PolicyConfig,
         glimpse: &Glimpse,
-        take: &mut dyn FnMut(ScorePicture, &foveal_play::FrameReport) -> anyhow::Result<()>,
+        take: &mut dyn FnMut(ScorePicture, &FrameReport) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         let options = PlayerOptions {
             config: config.clone(),
@@ -218,11 +221,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Bytes of these tiles that one frame takes: of each unit its share of the frames.
-    fn bytes_of(
-        &self,
-        frame: u32,
-        tiles: &[foveal_core::content::video::grid::tile_grid::Tile],
-    ) -> f64 {
+    fn bytes_of(&self, frame: u32, tiles: &[Tile]) -> f64 {
         let pack = self.file.pack();
         let bytes = tiles.iter().map(|tile| {
             let unit = pack.unit(*tile, frame);
@@ -237,39 +236,12 @@ fn config_of(rule: Expectation, value: f64) -> PolicyConfig {
     match rule {
         Expectation::ByLoss => PolicyConfig {
             bound: Some(value),
-            target: Some(foveal_core::content::policy::DEFAULT_TARGET),
+            target: Some(DEFAULT_TARGET),
             ..PolicyConfig::new(Policy::Perceptual)
         },
         Expectation::Elsewise => PolicyConfig {
-            acuity: foveal_core::perception::acuity::AcuityModel::linear(value),
+            acuity: AcuityModel::linear(value),
             ..PolicyConfig::new(Policy::Acuity)
         },
     }
-}
-
-/// What `make` makes of all, on so many threads, in their order.
-fn in_parallel<A: Sync, B: Send>(
-    jobs: usize,
-    all: &[A],
-    make: impl Fn(&A) -> anyhow::Result<B> + Sync,
-) -> anyhow::Result<Vec<B>> {
-    let some = all.len().div_ceil(jobs.max(1)).max(1);
-    let make = &make;
-    let made = std::thread::scope(|scope| {
-        let parts = all.chunks(some).map(|part| {
-            let work = move || part.iter().map(make).collect::<anyhow::Result<Vec<B>>>();
-            std::thread::Builder::new().spawn_scoped(scope, work)
-        });
-        let parts = parts.collect::<Result<Vec<_>, _>>();
-        let parts = parts.context("no thread can be had for drawing")?;
-        let join = |part: std::thread::ScopedJoinHandle<'_, _>| {
-            part.join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        };
-        parts
-            .into_iter()
-            .map(join)
-            .collect::<anyhow::Result<Vec<Vec<B>>>>()
-    })?;
-    Ok(made.into_iter().flatten().collect())
 }

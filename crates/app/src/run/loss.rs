@@ -5,9 +5,9 @@
 //! machine and threads.
 
 use crate::commands::score::{display_of_view, picture_of};
+use crate::run::in_parallel::in_parallel;
 use crate::run::open_player::open_player;
 use crate::run::source_frames::SourceFrames;
-use anyhow::Context;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::{Description, Loss};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample, HeadPose};
@@ -73,7 +73,7 @@ pub(crate) fn loss_of(
     let mut source = SourceFrames::planned(source, &file, plan, Screen::default(), jobs)?;
     let seen = frames.iter().map(|frame| source.seen(*frame, &views));
     let seen = seen.collect::<anyhow::Result<Vec<_>>>()?;
-    let shown = drawn(&file, &scenes, &frames, jobs)?;
+    let shown = in_parallel(jobs, &scenes, |scene| draw(&file, scene, &frames))?;
     let mut noise = CompanionJudge::new(Companion::Psnr, &viewing)?;
     let mut judge = Judge::new(&viewing, jobs)?;
     let mut worst = f64::INFINITY;
@@ -169,35 +169,7 @@ fn sphere_scenes(plan: &Plan, surface: &Surface) -> Vec<Scene> {
     all.map(towards).collect()
 }
 
-/// What the finest level shows in every scene, frame by frame.
-fn drawn(
-    file: &Arc<PackFile>,
-    scenes: &[Scene],
-    frames: &[u32],
-    jobs: usize,
-) -> anyhow::Result<Vec<Vec<ScorePicture>>> {
-    let some = scenes.len().div_ceil(jobs.max(1));
-    let draw = |scenes: &[Scene]| -> anyhow::Result<Vec<_>> {
-        scenes.iter().map(|of| draw(file, of, frames)).collect()
-    };
-    let parts = std::thread::scope(|scope| {
-        let parts = scenes
-            .chunks(some)
-            .map(|part| std::thread::Builder::new().spawn_scoped(scope, move || draw(part)));
-        let parts = parts.collect::<Result<Vec<_>, _>>();
-        let parts = parts.context("no thread can be had for drawing")?;
-        let join = |part: std::thread::ScopedJoinHandle<'_, _>| {
-            part.join()
-                .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-        };
-        parts
-            .into_iter()
-            .map(join)
-            .collect::<anyhow::Result<Vec<Vec<_>>>>()
-    })?;
-    Ok(parts.into_iter().flatten().collect())
-}
-
+/// What the finest level shows in a scene, frame by frame.
 fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<Vec<ScorePicture>> {
     let options = PlayerOptions {
         config: PolicyConfig::new(Policy::Viewport),

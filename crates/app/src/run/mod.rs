@@ -1,6 +1,7 @@
 //! The packs and sources that are played, and how they are opened.
 
 pub(crate) mod calibrate;
+pub(crate) mod in_parallel;
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
 pub(crate) mod open_player;
