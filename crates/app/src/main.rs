@@ -38,7 +38,7 @@ enum Command {
     Info(commands::info::InfoArgs),
     /// Check every byte of a pack.
     Verify(commands::verify::VerifyArgs),
-    /// Test how a pack's score falls with detail, so that targets hold.
+    /// Measure a pack's score by detail, so that targets hold.
     Calibrate(commands::calibrate::CalibrateArgs),
     /// Show which levels a policy would choose, without content.
     Select(commands::select::SelectArgs),
