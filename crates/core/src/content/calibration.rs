@@ -51,7 +51,7 @@ impl Expectation {
         }
     }
 
-    /// The score that is expected of a quality difference told by signatures.
+    /// The score to expect for a quality difference computed from signatures.
     #[must_use]
     pub fn jod(self, told: f64) -> f64 {
         if told <= 0.0 {
@@ -63,7 +63,7 @@ impl Expectation {
         BEST_JOD - libm::exp(along(&pairs, ln(told)))
     }
 
-    /// The quality difference told by signatures at which a score below 10 is expected: the inverse
+    /// The quality difference, from signatures, at which a score below 10 is expected: the inverse
     /// of [`Self::jod`].
     #[must_use]
     pub fn told(self, target: f64) -> f64 {

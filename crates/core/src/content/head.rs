@@ -1,4 +1,4 @@
-//! How does the head of a log tell of content?
+//! What does a log's header record about content?
 
 use crate::content::strict_json::StrictJson;
 use crate::content::video::grid::tile_grid::TileGrid;

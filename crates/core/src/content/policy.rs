@@ -104,7 +104,7 @@ pub enum EdgeRule {
     Single,
 }
 
-/// What tells how much an eye gets of the units of a scene.
+/// How much an eye gets from the units of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ImportanceSource {
@@ -186,7 +186,7 @@ fn is_false(value: &bool) -> bool {
 }
 
 /// The score that levels are chosen for unless another is asked for: what about 63 of 100 people
-/// could tell from the finest when asked to guess.
+/// could distinguish from the finest when asked to guess.
 pub const DEFAULT_TARGET: f64 = 9.5;
 
 /// The side tables that a pack has.

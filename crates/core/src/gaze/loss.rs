@@ -1,4 +1,4 @@
-//! Where does the eye look while nobody sees it?
+//! Where does the eye look while the tracker does not see it?
 //!
 //! The last gaze holds for a second and grows uncertain; then the head alone says where.
 

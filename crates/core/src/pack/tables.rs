@@ -1,4 +1,4 @@
-//! What is told of units beside their chunks?
+//! What does a pack hold about units, besides their chunks?
 
 use serde::{Deserialize, Serialize};
 

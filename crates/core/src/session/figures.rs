@@ -46,7 +46,7 @@ pub struct Figures {
     /// Frames that took longer to draw than they last.
     pub slow_draws: u64,
     /// Time from choosing what is shown until it is drawn, in seconds, at most [`MOST_DRAW_S`]: the
-    /// median of late.
+    /// recent median.
     pub draw_s: f64,
     /// What that time stays below but now and then, in seconds.
     pub most_draw_s: f64,
@@ -126,7 +126,7 @@ impl Figures {
         self.lately.push_back((now.0, self.uploaded_bytes));
     }
 
-    /// Frames a second and megabytes a second of late.
+    /// Recent frames a second and megabytes a second.
     #[must_use]
     pub fn rates(&self, now: Seconds) -> [f64; 2] {
         let recent = |(at, _): &&(f64, u64)| now.0 - at <= WINDOW_S;

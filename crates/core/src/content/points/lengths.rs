@@ -1,6 +1,6 @@
 //! How do numbers of all sizes become few bits, and are read fast?
 //!
-//! A number is a class, and what tells it from others of its class: its low bits as they are.
+//! A number is a class, and an offset within its class: its low bits as they are.
 //! Classes get codes whose lengths fit how often they occur (Huffman 1952), written before. Numbers
 //! that are all the same small one take no bits. A list says how many bytes it has, so that several
 //! can be read in turn: where each number begins depends on the one before, and a processor follows
@@ -181,7 +181,7 @@ pub(super) struct NumberList<'a> {
     at: usize,
     /// Bits of the longest code.
     mask: u64,
-    /// By the next bits: what [`Entry`] tells of the class whose code they begin with.
+    /// By the next bits: the [`Entry`] of the class whose code they begin with.
     table: Vec<u64>,
 }
 

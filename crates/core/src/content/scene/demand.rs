@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
 const ERROR_PIXELS: f64 = 1.0;
-/// Triangles with shorter sides on the display, in pixels, are not told apart from finer ones.
+/// Triangles with shorter sides on the display, in pixels, are not distinguished from finer ones.
 const SIDE_PIXELS: f64 = 0.25;
 
 /// Why scenes are not chosen by a policy; `None` of those that they are chosen by.
@@ -88,7 +88,7 @@ impl SceneDemand {
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
             // What a rule leaves coarse has too small an error; what is bought ends where triangles
-            // cannot be told apart, by their shading either.
+            // cannot be distinguished, not even by their shading.
             let error = match spends {
                 true => stand.error.max(stand.side * ERROR_PIXELS / SIDE_PIXELS),
                 false => stand.error,
@@ -210,7 +210,7 @@ impl SceneDemand {
     }
 }
 
-/// How much larger an error is than a pixel, or than what is told apart at its eccentricity: the
+/// How much larger an error is than a pixel, or than what can be resolved at its eccentricity: the
 /// less of both.
 pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
     let allowed = smallest_angle_deg(acuity, seen.eccentricity);
@@ -218,7 +218,7 @@ pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
     pixels.min(seen.error.to_degrees() / allowed)
 }
 
-/// The smallest angle that is told apart at an eccentricity, in degrees.
+/// The smallest angle that can be resolved at an eccentricity, in degrees.
 fn smallest_angle_deg(acuity: &AcuityModel, eccentricity: Radians) -> f64 {
     0.5 / acuity.best_acuity(eccentricity).0
 }

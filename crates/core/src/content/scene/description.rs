@@ -269,7 +269,7 @@ pub struct SceneTexture {
     pub name: String,
     /// Columns and rows of texels, at most 16384 each.
     pub size: [u32; 2],
-    /// What lies beside it, along rows and along columns.
+    /// What lies outside it, along rows and along columns.
     pub wrap: [Wrap; 2],
     /// Its mean colour in linear light, red, green and blue: what stands in until a page is there.
     pub colour: [f32; 3],
@@ -389,7 +389,7 @@ impl SceneDescription {
                 return Err(PackError::new(
                     "objects, textures",
                     told,
-                    "none beside their table",
+                    "none next to their table",
                 ));
             }
             return about.check_rest().map(|()| about);

@@ -95,7 +95,7 @@ impl Scene {
     }
 
     /// By which angle about its middle an eye is raised that is to see it at first: none, but of
-    /// what lies flat, as land does, which shows nothing from beside.
+    /// what lies flat, as land does, which shows nothing from the side.
     #[must_use]
     pub fn rise(&self) -> Radians {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);

@@ -211,8 +211,8 @@ const MOST: f64 = 0.01;
 
 /// For each unit that refines what is drawn, by its number, what a viewer gains of it in a square
 /// degree: 1 where that is the most of all, or as much as in the best hundredth of what they
-/// refine, down to 0 where it is a thousandth of that or less, by logarithms. -1 of units that
-/// refine nothing of it. `footprints` are those of what is drawn. Takes some microseconds for each
+/// refine, down to 0 where it is a thousandth of that or less, by logarithms. -1 for units that
+/// do not refine it. `footprints` are those of what is drawn. Takes some microseconds for each
 /// unit.
 #[must_use]
 pub fn shares_of_worth(
@@ -379,7 +379,7 @@ mod tests {
             "{of_near} {of_far}"
         );
         assert_eq!(both.iter().filter(|it| **it >= 0.0).count(), 2);
-        // A sliver of which much is gained changes nothing beside it.
+        // A sliver with a large gain changes nothing next to it.
         let sliver = Footprint {
             unit: UnitId(last - 2),
             area: 1,

@@ -26,7 +26,7 @@ const LEAST_LOST_JOD: f64 = 0.005;
 
 /// Less than this is lost by chance, in JOD.
 const LEAST_TELLING_JOD: f64 = 0.05;
-/// Scores are told of up to where so many times less is lost than at the best that was found.
+/// The curve goes up to where so many times less is lost than at the best that was found.
 const MOST_BEYOND: f64 = 1.1;
 /// Densities that are nearer to each other are the same.
 const SAME_DENSITY: f64 = 0.02;
@@ -136,7 +136,7 @@ impl CalibrationRow {
         )
     }
 
-    /// Whether both tell of the same rule, density and part.
+    /// Whether both are for the same rule, density and part.
     fn is_beside(&self, other: &Self) -> bool {
         self.rule == other.rule && self.ppd == other.ppd && self.zone == other.zone
     }

@@ -86,8 +86,8 @@ impl EyeMessages {
     }
 }
 
-/// The direction of one of VRChat's forms: the outer `None` where it is none of them, the inner one
-/// where its values are no direction.
+/// The direction of one of VRChat's forms: the outer `None` where it has another form, the inner
+/// one where its values are no direction.
 fn direction(form: &str, values: &[f64]) -> Option<Option<DVec3>> {
     Some(match (form, values) {
         ("CenterPitchYaw", [pitch, yaw]) => turned(*pitch, *yaw),

@@ -1,10 +1,10 @@
-//! How much contrast does a refinement add, told in twelve bytes?
+//! How much contrast does a refinement add, in twelve bytes?
 //!
 //! For every unit that refines, what its pictures show that the next coarser level does not, as
 //! both are decoded. With it a step can be valued for any gaze without decoding anything.
 //! `docs/formats/pack.md` is normative.
 
-/// Octaves of spatial frequency that a signature tells of: the one that the step adds, and those
+/// Octaves of spatial frequency that a signature measures: the one that the step adds, and those
 /// below it that it changes.
 pub const SIGNATURE_BANDS: usize = 3;
 
@@ -33,7 +33,7 @@ pub struct Signature {
     pub bands: [BandContrast; SIGNATURE_BANDS],
 }
 
-/// Largest contrast that is told; more is told as this.
+/// Largest contrast that is stored; more is stored as this.
 const MOST_CONTRAST: f64 = 4.0;
 /// Steps of the logarithmic code for each doubling of contrast: 4.4 % a step.
 const STEPS_PER_OCTAVE: f64 = 16.0;
@@ -44,9 +44,9 @@ impl Signature {
     /// Bytes of a signature of version 1.
     pub const BYTES_V1: usize = 3 * SIGNATURE_BANDS;
 
-    /// Of each octave what that of the two tells whose norm is larger: of several pictures of a
-    /// unit, where each octave gains most. Of what comes late no less is told than if it had been
-    /// there from the first picture on.
+    /// For each octave, the one of the two whose norm is larger: of several pictures of a unit,
+    /// where each octave gains most. What appears late counts as much as if it had been there
+    /// from the first picture on.
     #[must_use]
     pub fn strongest(self, other: Self) -> Self {
         let band = |index: usize| {

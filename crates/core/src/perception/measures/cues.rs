@@ -1,4 +1,4 @@
-//! What in a tile might draw the eye, told in four bytes?
+//! What in a tile might draw the eye, in four bytes?
 //!
 //! The measures that saliency is made of. `docs/formats/pack.md` is normative.
 
@@ -16,7 +16,7 @@ pub struct Cues {
     pub change: f64,
 }
 
-/// Largest value of each measure that is told: deviation, edges, colour, change.
+/// Largest value of each measure that is stored: deviation, edges, colour, change.
 const MOST: [f64; 4] = [128.0, 128.0, 128.0, 255.0];
 
 impl Cues {

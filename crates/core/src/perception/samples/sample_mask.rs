@@ -11,7 +11,7 @@ use crate::perception::samples::blue_noise::{SIDE, blue_noise_ranks};
 use crate::perception::samples::nearest_sample::{NEIGHBOURS, nearest_samples, neighbours_of};
 use crate::units::Radians;
 
-/// Steps of a pixel in which a radius is told apart.
+/// Steps of a pixel in which a radius is distinguished.
 const STEPS: f64 = 4.0;
 /// Seed of the blue-noise order of masks.
 const SEED: u64 = 2016;

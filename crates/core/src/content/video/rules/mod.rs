@@ -67,7 +67,7 @@ pub struct Rules {
     config: PolicyConfig,
     cells: Vec<CellBounds>,
     thresholds: Vec<Radians>,
-    /// How far beside the view `acuity` looks because the head may turn there while the eye stays.
+    /// How far outside the view `acuity` looks, as the head may turn there while the eye stays.
     head_room: Radians,
 }
 
@@ -170,7 +170,7 @@ impl Rules {
         }
     }
 
-    /// The selector of a viewer who may look up to `slack` beside where the gaze is: its levels are
+    /// The selector of a viewer who may look up to `slack` away from the gaze: its levels are
     /// as fine or finer. What `acuity` makes of it, it takes from the glance's spread.
     pub(crate) fn loosened(&self, slack: Radians) -> Self {
         let wider = |angle: Radians| Radians(angle.0 + slack.0);
@@ -298,8 +298,8 @@ impl Rules {
     /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
     /// the content over twice the highest frequency that is resolved there.
     ///
-    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
-    /// by that much still sees no coarser texel than the model allows.
+    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: an eye that is
+    /// off by that much still sees no coarser texel than the model allows.
     fn acuity_footprint(&self, glance: &Glance, probe: &Probe) -> f64 {
         let Some([gaze, direction]) = glance.seen([glance.gaze.gaze_in_content, probe.direction])
         else {

@@ -68,7 +68,7 @@ impl Rules {
         levels
     }
 
-    /// Whether nothing of a row of cells of one face is in sight, and nothing of it is exempt;
+    /// Whether no part of a row of cells of one face is in sight, and none of it is exempt;
     /// false where that is not sure, as of a row that goes all around.
     fn is_row_beyond(&self, row: &[CellBounds], sight: &Frustum) -> bool {
         if !self.grid.surface.is_of_planes() {

@@ -17,7 +17,7 @@ const MOST_ACROSS: f64 = 512.0;
 /// Nodes beyond the lit part, and how many steps off an edge still counts.
 const MARGIN: f64 = 2.0;
 const NEAR: f64 = 4.0;
-/// How many steps beside the lit part a node is at most that what is linear there reads.
+/// How many steps off the lit part a node may be that linear interpolation there reads.
 const NEXT: f64 = 1.5;
 /// A part of a chart of so many nodes on a side is not divided further.
 const SMALLEST_PART: usize = 8;
@@ -49,7 +49,7 @@ pub struct FadeField {
     most: [f64; 2],
     /// Radians of the fade.
     width: f64,
-    /// Nodes beside the lit part, until it is known which edges are covered.
+    /// Nodes off the lit part, until it is known which edges are covered.
     beside: Vec<NodeBeside>,
 }
 

@@ -205,7 +205,7 @@ fn a_grating_that_is_seen_is_kept_and_one_that_is_too_fine_to_be_seen_is_not() {
         );
         finest
     };
-    // At the gaze, 10° and 20° beside it.
+    // At the gaze, 10° and 20° from it.
     let [fovea, near, far] = [15, 21, 28].map(finest_kept);
     assert!(
         fovea <= near && near <= far && fovea < far,
