@@ -65,7 +65,7 @@ pub struct PlayerOptions {
     pub judged: bool,
     /// Who decodes.
     pub decoding: Decoding,
-    /// Told what a person should know and no error is.
+    /// Receives what a person should know but is not an error.
     pub tell: fn(&str),
 }
 
@@ -77,7 +77,7 @@ pub struct Player {
     cache: Cache<Payload>,
     pool: DecodePool,
     drawer: Drawer,
-    /// Tells how much of what the eye could see was shown, and what of it is missed.
+    /// Computes how much of what the eye could see was shown, and what it misses.
     judge: Option<(Worth, LossMeter)>,
     options: PlayerOptions,
     /// What shows the picture in the place of one view, if anything.

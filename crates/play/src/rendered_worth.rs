@@ -125,7 +125,7 @@ impl RenderedWorth {
                 unit: UnitRef { asset, unit },
                 frame: 0,
             };
-            // What is damaged, or does not fit to what is, is seen by whoever plays.
+            // Damaged units, and units that do not fit the others, are found by the player.
             let Ok(payload) = self.file.read_unit(unit) else {
                 continue;
             };

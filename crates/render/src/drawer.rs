@@ -114,7 +114,7 @@ impl Drawer {
         }
     }
 
-    /// From now on shows tiles like this; `true` where all of them must come anew. What cannot be
+    /// From now on shows tiles like this; `true` where all of them must come again. What cannot be
     /// shown leaves everything as it was.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Drawer {
     }
 
     /// Makes the mask that samples are shown by, where there is none for this view; takes about a
-    /// second. `true` where tiles must come anew to be sampled.
+    /// second. `true` where tiles must come again to be sampled.
     ///
     /// # Errors
     /// The mask is larger than the device binds.

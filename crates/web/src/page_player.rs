@@ -219,7 +219,7 @@ impl PagePlayer {
         }
     }
 
-    /// Begins anew on another device.
+    /// Starts over on another device.
     pub fn recover(&mut self, gpu: Gpu) -> Result<(), RenderError> {
         self.drawer = self.pack.drawer(&DrawDevice::Gpu(gpu))?;
         self.session.take(SessionEvent::DeviceLost);
@@ -289,7 +289,7 @@ impl PagePlayer {
         self.session.timeline().within(self.viewer.time(now))
     }
 
-    /// Looks where the viewer looks and moves the session on; tells what of [`flag`] is so.
+    /// Looks where the viewer looks and moves the session on; returns bits of [`flag`].
     pub fn step(&mut self, now: Seconds) -> Result<u32, RenderError> {
         let mut told = if self.viewer.stay_at_the_end(&self.session, now) {
             flag::ENDED
@@ -325,8 +325,8 @@ impl PagePlayer {
         Ok(told)
     }
 
-    /// Does what the session asks for; tells whether the picture changed, and whether other units
-    /// are wanted.
+    /// Does what the session asks for; returns whether the picture changed, and whether other
+    /// units are wanted.
     fn obey(
         &mut self,
         actions: Vec<SessionAction>,
@@ -392,7 +392,7 @@ impl PagePlayer {
     }
 
     /// The view of an eye of a headset, which levels follow from now on; `None` where the numbers
-    /// are none of an eye.
+    /// do not describe an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
         let start = match &self.pack.content {
             ContentInParts::Video(_) => None,

@@ -27,7 +27,7 @@ export interface FovealViewEvents {
   headset: boolean;
 }
 
-/** How an event is told. */
+/** How an event is reported. */
 export type Tell = <K extends keyof FovealViewEvents>(name: K, detail: FovealViewEvents[K]) => void;
 
 /** What was thrown, as a problem. */

@@ -129,7 +129,7 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
   ],
   [
     "throughput",
-    "What the link brought of late while anything was on its way",
+    "Recent delivery of the link while anything was on its way",
     (s) => (s.throughput > 0 ? rate(s.throughput) : "–"),
   ],
   ["decoding a tile", "From its bytes to its pixels", (s) => `${s.decodeMs.toFixed(1)} ms`],

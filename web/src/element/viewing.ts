@@ -42,7 +42,7 @@ export class Viewing implements Actions {
   private policy: PolicyName = "viewport";
   /** The policy of the demo. */
   private readonly demo: PolicyName;
-  /** Where a skip has led that no figures have told of yet. */
+  /** Where a skip has led that no figures have reported yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
   /** The last trouble that was said. */

@@ -58,7 +58,7 @@ export interface EngineOptions {
   readonly size: readonly [number, number];
   /** Begin paused. */
   readonly paused?: boolean;
-  /** Stay at the end instead of beginning anew. */
+  /** Stay at the end instead of starting over. */
   readonly once?: boolean;
   /** Where drawing happens: a worker, or the page's own thread, as WebXR needs it. */
   readonly thread?: "worker" | "main";
@@ -136,7 +136,7 @@ export interface Stats {
   readonly target: number | null;
   /**
    * The score that what was chosen is expected to have against every finest tile, once all of it is
-   * shown; null while that is not known, as it takes what the pack tells of its tiles.
+   * shown; null while that is not known, as it needs the pack's tables of its tiles.
    */
   readonly expectedScore: number | null;
   readonly playing: boolean;
@@ -221,7 +221,7 @@ export interface EyeRequest {
   readonly eye: "left" | "right";
   /** Where the eye is, in metres from where the head began. */
   readonly position: readonly [number, number, number];
-  /** Orientation of the eye: x, y, z, w as WebXR tells it (-z forward, +y up). */
+  /** Orientation of the eye: x, y, z, w as WebXR gives it (-z forward, +y up). */
   readonly orientation: readonly [number, number, number, number];
   /** Tangents to the left, right, top and bottom edge; right and top are positive outwards. */
   readonly tangents: readonly [number, number, number, number];
@@ -278,7 +278,7 @@ export interface EngineEvents {
   /** Twice a second while something changes. */
   stats: Stats;
   error: EngineProblem;
-  /** The host has another file under this address now; the engine begins anew with it. */
+  /** The host has another file under this address now; the engine starts over with it. */
   changed: string;
   /** A device, worker or host is gone; what is on screen stays. */
   lost: "gpu" | "worker" | "network";

@@ -51,7 +51,7 @@ pub(super) enum Tolerance {
     By(f64),
     /// By this share of itself.
     Share(f64),
-    /// It is a time: it is told, and never too far.
+    /// It is a time: it is reported, and never too far.
     Time,
 }
 

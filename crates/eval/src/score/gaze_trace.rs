@@ -61,7 +61,7 @@ impl GazeTrace {
         row.ok().map(|row| self.rows[row].1)
     }
 
-    /// The frames that it tells of.
+    /// The frames that it covers.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.rows.len()

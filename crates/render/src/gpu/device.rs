@@ -66,7 +66,7 @@ impl Gpu {
     /// What `make` makes, where the GPU's memory has room for its `bytes`.
     ///
     /// # Errors
-    /// [`RenderError::OutOfMemory`] when it has not; in a browser that is told later, by what is
+    /// [`RenderError::OutOfMemory`] when it has not; in a browser that shows later, in what is
     /// drawn.
     pub(crate) fn roomed<T>(
         &self,
@@ -179,7 +179,7 @@ impl Gpu {
 fn described(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
         label: Some("foveal"),
-        // Tells how long passes take; nothing else depends on it.
+        // Measures how long passes take; nothing else depends on it.
         required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
         required_limits: limits,
         ..wgpu::DeviceDescriptor::default()

@@ -222,7 +222,7 @@ impl SceneLayer {
     }
 
     /// From now on these are the units that would refine clusters, each by its unit and its number
-    /// in it: what [`Self::ids`] shows. Only those of units that are there or will be need be told.
+    /// in it: what [`Self::ids`] shows. Only those of units that are there or will be are needed.
     pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
         if let Some(clouds) = &mut self.clouds {
             clouds.set_refiners(refiners.clone());

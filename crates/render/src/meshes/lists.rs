@@ -9,7 +9,7 @@ use crate::meshes::pool::most_bound;
 
 /// Bytes of a cluster in a list: its first word and its placement.
 const BYTES: u64 = 8;
-/// Words of what tells the GPU how much to draw, and of what is counted beside.
+/// Words of the GPU's drawing arguments, and of what is counted besides.
 const ARGUMENT_WORDS: usize = 8;
 /// Bytes of a word.
 const WORD: u64 = 4;

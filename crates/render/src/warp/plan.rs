@@ -112,8 +112,8 @@ impl WarpPlan {
         self.grid_ends.push(self.grids.len());
     }
 
-    /// The same, seen by an eye that blurs: what a pixel takes of the source grows by what the eye
-    /// makes of a point there. `panels` are those that the plan was made of.
+    /// The same, seen by an eye that blurs: a pixel's footprint in the source grows by how the eye
+    /// blurs a point there. `panels` are those that the plan was made of.
     ///
     /// # Panics
     /// When there are not as many as in the plan, or it is drawn by maps, which tell no rays.
@@ -164,7 +164,7 @@ impl WarpPlan {
         self
     }
 
-    /// Bytes that the pass reads beside the source.
+    /// Bytes that the pass reads besides the source.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let records = size_of_val(self.panels.as_slice()) + size_of_val(self.blends.as_slice());
