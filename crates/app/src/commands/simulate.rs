@@ -87,7 +87,7 @@ pub(crate) struct RunSummary {
     pub(crate) gpu_share_of_floats: f64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
-    /// How good it looked beside the full picture, where somebody asked; on panels that of the
+    /// How good it looked compared with the full picture, where asked for; on panels that of the
     /// lowest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) score: Option<ScoreReport>,
@@ -172,7 +172,7 @@ fn begin_log(player: &Player, out: &Path) -> anyhow::Result<()> {
     output::write_whole(&out.join(LOG), begun.as_bytes())
 }
 
-/// Says where the eye looks beside flat content.
+/// Says where the eye looks outside flat content.
 fn tell_outside(reports: &[FrameReport], surface: &Surface) {
     if surface.projection != Projection::Flat || surface.slant.is_some() {
         return;

@@ -1,4 +1,4 @@
-//! What does a file tell of eyes and head?
+//! What does a file record about eyes and head?
 //!
 //! One reader, whichever command asks: a trace, or a recording as published with Hu et al. 2019.
 

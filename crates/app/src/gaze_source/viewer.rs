@@ -16,7 +16,7 @@ pub(crate) struct ViewerModel {
 }
 
 impl Default for ViewerModel {
-    /// Somebody who looks around freely, watched without delay.
+    /// A viewer who looks around freely, watched without delay.
     fn default() -> Self {
         Self {
             preset: HeadGazePreset::free_viewing(),

@@ -149,7 +149,7 @@ fn reading_like(source: &Path, about: &Description) -> anyhow::Result<ReadOption
 fn is_of(info: &SourceInfo, about: &Description) -> bool {
     let rate = rate_of(info) / about.fps();
     let same_file = info.bytes == about.source.bytes;
-    // What containers tell of their length is an estimate.
+    // The length that containers give is an estimate.
     let as_long = info.frames.is_none_or(|frames| {
         let pack = u64::from(about.frames);
         frames + 1 >= pack && (same_file || frames <= pack + 1)

@@ -70,7 +70,7 @@ impl Parts {
         }
     }
 
-    /// The pack, if parts like these can be told at all. It is not read back: what it is to be
+    /// The pack, if parts like these can be written at all. It is not read back: what it is to be
     /// refused for is in it.
     fn write(&self, path: &str) -> bool {
         let mut builder = begin_scene(&self.about);
@@ -205,7 +205,7 @@ impl Dice {
     }
 }
 
-/// Alters one thing that is told of the scene; tells what.
+/// Alters one thing in the scene's description; returns what.
 fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
     const NUMBERS: [f64; 7] = [0.0, -1.0, 1e-300, 1e9, 1e15, -1e15, 0.5];
     let number = NUMBERS[dice.below(NUMBERS.len())];
@@ -246,7 +246,7 @@ fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
     format!("description of object {at}, {what}, {number}")
 }
 
-/// Alters one thing; tells what.
+/// Alters one thing; returns what.
 fn alter(parts: &mut Parts, dice: &mut Dice) -> String {
     if dice.below(4) == 0 {
         return alter_description(&mut parts.about, dice);

@@ -1,4 +1,4 @@
-//! Does nobody stop the server for others, and is what it sends what was asked for?
+//! Can no client stop the server for others, and does it send what was asked for?
 
 use crate::bounded::crc32c;
 use crate::scenes::{waves, write_clip};

@@ -222,7 +222,7 @@ fn pages_of_other_origins_read_nothing_unless_they_are_allowed() {
         answer.header("cross-origin-resource-policy"),
         Some("same-origin")
     );
-    // A name of somebody else that was made to lead here.
+    // A foreign host name that was made to lead here.
     for host in [
         "Host: other.example",
         "Host: 10.0.0.1:80",
@@ -465,7 +465,7 @@ fn a_site_says_of_its_packs_what_its_maker_says_in_the_order_that_was_asked_for(
             "{page}"
         );
     }
-    // Of what nobody says anything the name is the title.
+    // Without a title the name is the title.
     json(&export);
     assert!(read("index.html").contains("<h1>Videos</h1>"));
     let list: Value = serde_json::from_str(&read("packs.json")).unwrap();

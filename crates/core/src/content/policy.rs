@@ -163,7 +163,7 @@ pub struct PolicyConfig {
     /// `perceptual`: whether saliency says what to fetch outside the region that gaze predicts.
     #[serde(default)]
     pub saliency: bool,
-    /// `perceptual` on scenes: what tells the worth of units.
+    /// `perceptual` on scenes: how the worth of units is found.
     #[serde(default, skip_serializing_if = "ImportanceSource::is_default")]
     pub importance: ImportanceSource,
     /// `acuity`, `perceptual`: the score that levels are chosen for, in JOD. Where bytes are

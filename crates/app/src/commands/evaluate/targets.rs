@@ -101,7 +101,7 @@ struct Report {
 
 pub(super) fn run(args: &TargetsArgs) -> anyhow::Result<()> {
     args.check()?;
-    // What cannot be read is told before an hour of other work.
+    // What cannot be read is reported before an hour of other work.
     for input in &args.input {
         VideoInput::open(input)?;
     }
@@ -280,7 +280,7 @@ impl Content<'_> {
         open_player(Arc::clone(&self.file), options)
     }
 
-    /// All policies frame by frame, beside every finest tile; the gaze rests ahead.
+    /// All policies frame by frame, against every finest tile; the gaze rests ahead.
     fn judge(&self, policies: &[PolicyConfig]) -> anyhow::Result<Vec<Row>> {
         output::say(&format!("{}: is judged", self.name));
         let about = self.file.pack().description();

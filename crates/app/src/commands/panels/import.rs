@@ -18,7 +18,7 @@ pub(crate) struct ImportArgs {
     /// MPCDI, zipped or not, or warp mesh; or, with --projector, a wall as a mesh: .obj, .ply,
     /// .stl, .gltf or .glb.
     file: PathBuf,
-    /// Rig file to write; maps of what is bent lie beside it.
+    /// Rig file to write; maps of bent panels are written next to it.
     #[arg(long, value_name = "RIG.toml")]
     out: PathBuf,
     /// A projector that lights the wall, as "left at=-1,2,4 look=10,-5,0 pixels=1920x1080
@@ -124,7 +124,7 @@ impl ImportArgs {
         match (is_scene_file(&self.file), self.projector.is_empty()) {
             (true, false) => Ok(()),
             (true, true) => bail!(WrongUsage(format!(
-                "{name}: is a wall, and nothing tells what lights it; give --projector \"ID \
+                "{name}: is a wall, and nothing says what lights it; give --projector \"ID \
                  at=X,Y,Z pixels=WxH throw=N\" for each projector"
             ))),
             (false, false) => bail!(WrongUsage(format!(

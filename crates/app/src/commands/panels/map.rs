@@ -207,7 +207,7 @@ fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
     }
 }
 
-/// Writes an MPCDI, and tells what it does not.
+/// Writes an MPCDI, and reports what it leaves out.
 fn write_whole_rig(path: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
     let written = write_mpcdi(panels)
         .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;

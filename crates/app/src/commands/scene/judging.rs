@@ -92,7 +92,7 @@ impl Judge {
         Ok(Self { whole, views })
     }
 
-    /// Compares what `player` shows of every view; tells how far the first is off.
+    /// Compares what `player` shows of every view; returns how far the first is off.
     pub(crate) fn frame(
         &mut self,
         player: &mut ScenePlayer,
@@ -120,7 +120,7 @@ impl Judge {
         Ok(first)
     }
 
-    /// The scores of the run, by a `gaze` of that name; `None` where nobody asked.
+    /// The scores of the run, by a `gaze` of that name; `None` where none were asked for.
     pub(crate) fn scores(self, gaze: &str) -> anyhow::Result<Option<RunScores>> {
         let scoring = self.views.into_iter().filter_map(|view| view.scoring);
         let reports = scoring.map(|scoring| scoring.report(gaze.to_owned()));

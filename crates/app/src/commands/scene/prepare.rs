@@ -108,7 +108,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
     let there = pack_at(out)?;
-    // Before the work: who comes second is told at once.
+    // Before the work: a second preparation is refused at once.
     let claim = match there.is_none() || args.force {
         true => Some(NameClaim::of(out, if_taken(there.as_ref()))?),
         false => None,

@@ -233,7 +233,7 @@ impl SimulateArgs {
         fps: Option<f64>,
     ) -> anyhow::Result<Judge> {
         let ahead = MountedPanel::views_from(panels, &HeadPose::default(), Default::default());
-        // Panels are only compared where somebody asks for their scores.
+        // Panels are only compared where their scores are asked for.
         let judging = match !panels.is_empty() && !self.scoring.is_asked() {
             true => &DrawDevice::Nothing,
             false => drawing,
@@ -257,7 +257,7 @@ impl SimulateArgs {
             return Ok(self.frames.map(Ok).or(held).transpose()?);
         };
         self.hold
-            .refuse_for("a route, which tells how long it lasts")?;
+            .refuse_for("a route, which sets how long it lasts")?;
         if self.frames.is_some() {
             return Ok(self.frames);
         }

@@ -164,7 +164,7 @@ impl ScoreArgs {
     ) -> anyhow::Result<Judged> {
         if self.heat.is_some() {
             bail!(WrongUsage(
-                "--heat: only fovvideovdp tells where; leave --metric".to_owned()
+                "--heat: only fovvideovdp shows where; leave --metric out".to_owned()
             ));
         }
         let mut judge = CompanionJudge::new(companion, viewing).context("--metric")?;

@@ -12,10 +12,10 @@ use std::net::IpAddr;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Everything that an answer depends on beside the request.
+/// Everything that an answer depends on besides the request.
 pub(super) struct Server {
     pub(super) place: ServedPlace,
-    /// Names of hosts that requests may ask for beside this machine's; `None` for any.
+    /// Names of hosts that requests may ask for besides this machine's; `None` for any.
     pub(super) hosts: Option<Vec<String>>,
     /// Pages of which origin may read what is served: none but its own without this.
     pub(super) allow_origin: Option<HeaderValue>,

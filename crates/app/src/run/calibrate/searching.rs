@@ -1,4 +1,4 @@
-//! At which bounds is a content judged, and what is told of them?
+//! At which bounds is a content judged, and which rows are kept?
 //!
 //! The first comes from constants; each further one lies where those before foretell a score that
 //! is still to be found.
@@ -22,7 +22,7 @@ const BOUNDS: [f64; 2] = [1e-2, 1e6];
 const SLOPES: [f64; 2] = [0.0015, 0.35];
 /// Below this, in JOD, it does not matter how little is lost.
 const NEXT_TO_NOTHING: f64 = 0.02;
-/// The bound that is tried first: about what 9.5 JOD takes of most content.
+/// The bound that is tried first: about what 9.5 JOD needs for most content.
 const FIRST_BOUND: f64 = 400.0;
 /// Steps are at most by this factor.
 const MOST_STEP: f64 = 8.0;

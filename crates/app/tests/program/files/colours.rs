@@ -6,7 +6,7 @@ use crate::support::Folder;
 /// What all of them should show.
 const COLOUR: [u8; 3] = [200, 100, 50];
 
-/// Rows of numbers as text; a PLY of a square with these properties beside x, y and z.
+/// Rows of numbers as text; a PLY of a square with these properties besides x, y and z.
 fn ply_square(kind: &str, colour: [f64; 3]) -> String {
     let [r, g, b] = colour;
     let mut text = format!(

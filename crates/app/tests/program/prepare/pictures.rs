@@ -10,7 +10,7 @@ struct Photo {
     rgb: Vec<u8>,
 }
 
-/// What a file says beside its pixels.
+/// What a file says besides its pixels.
 #[derive(Clone, Default)]
 struct Tags {
     exif: Option<Vec<u8>>,
@@ -115,7 +115,7 @@ fn exif(orientation: u16) -> Vec<u8> {
     bytes.extend(orientation.to_be_bytes());
     bytes.extend([0, 0]);
     bytes.extend([0x82, 0x98, 0, 2, 0, 0, 0, 8, 0, 0, 0, 38, 0, 0, 0, 0]);
-    bytes.extend(b"nobody.\0");
+    bytes.extend(b"no one.\0");
     bytes
 }
 
