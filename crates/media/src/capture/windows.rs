@@ -26,7 +26,7 @@ pub(super) fn window_titled(title: &str) -> Result<u32, CaptureError> {
         wrong(reason, next)
     })?;
     let titles = titles(&connection, screen).map_err(|error| {
-        let next = "try again, or give the window by its number, as xwininfo tells it";
+        let next = "try again, or give the window by its number, as xwininfo prints it";
         wrong(
             format!("the X server does not tell its windows: {error}"),
             next.to_owned(),

@@ -17,7 +17,7 @@ use std::fs::File;
 use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Writes a pack beside its final name and renames it when it is whole: a `prepare` that fails or
+/// Writes a pack next to its final name and renames it when it is whole: a `prepare` that fails or
 /// is killed never leaves a half pack under the final name.
 #[derive(Debug)]
 pub(crate) struct PackWriter {
@@ -26,7 +26,7 @@ pub(crate) struct PackWriter {
     builder: PackBuilder,
     /// Where what is good is noted, for a pack that can be gone on with.
     journal: Option<JournalFile>,
-    /// Chunks that it tells of.
+    /// Chunks that it covers.
     journalled: usize,
     is_whole: bool,
 }
@@ -93,7 +93,7 @@ impl PackWriter {
                     });
                 }
                 Err(why) => {
-                    note = Some(format!("starts afresh: {why}"));
+                    note = Some(format!("starting over: {why}"));
                     old = Some(file);
                 }
             }
@@ -106,7 +106,7 @@ impl PackWriter {
         };
         let begun = begin();
         let (journal, file) = begun.map_err(|source| cannot_begin(claim.path(), source))?;
-        // Until now it was locked, so that nobody took it up.
+        // Until now it was locked, so that no other process took it up.
         drop(old);
         Ok(Begun {
             writer: Self::new(claim, file, builder, Some(journal)),
@@ -175,7 +175,7 @@ impl PackWriter {
     }
 
     /// Writes the rest, makes it durable, reads it back and gives it its final name. Before that,
-    /// the whole pack is shown to whoever tells what was lost. Returns its description and bytes.
+    /// the whole pack is shown to the measure of what was lost. Returns its description and bytes.
     pub(crate) fn finish(
         self,
         description: Description,
@@ -206,7 +206,7 @@ impl PackWriter {
 
     /// Writes what `finish` makes of all chunks, makes it durable and gives it its final name.
     /// Before that `look` sees the whole pack, may describe it otherwise and add to its end, and
-    /// `check` reads it back and tells what of it is damaged. Returns its bytes.
+    /// `check` reads it back and reports what is damaged. Returns its bytes.
     pub(crate) fn end(
         mut self,
         finish: impl FnOnce(PackBuilder) -> Result<PackHead, PackError>,

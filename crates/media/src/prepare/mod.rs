@@ -156,7 +156,7 @@ pub fn prepare(
 /// What a preparation that can be gone on with tells while it works.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// It goes on where an earlier one was stopped, or starts afresh although there was one.
+    /// It goes on where an earlier one was stopped, or starts over although there was one.
     Begins(String),
     /// How far it is.
     Progress(Progress),
@@ -188,7 +188,7 @@ impl<F: FnMut(Event)> Witness for F {
 /// As [`prepare`], to a name that was claimed; however it is stopped, the same call goes on after
 /// the last group of all levels that was whole, and ends with the same bytes.
 ///
-/// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie beside it. What was begun
+/// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie next to it. What was begun
 /// from another or a changed input, with other settings or by another version is not gone on with,
 /// nor is anything where `go_on` is false; an event says so.
 pub fn prepare_resumable(
@@ -307,7 +307,7 @@ fn code(
             source,
         })?;
         let coded = code_frames(&receive, coder, sink, &mut progress);
-        // The reader stops when nobody listens.
+        // The reader stops when its receiver is gone.
         drop(receive);
         let read = reader
             .join()

@@ -42,7 +42,7 @@ impl Notes {
         rows.collect()
     }
 
-    /// Takes up what [`Self::new_rows`] told in an earlier run; false where it is not of this grid.
+    /// Takes up what [`Self::new_rows`] gave in an earlier run; false where it is not of this grid.
     pub(super) fn take_up(&mut self, rows: &[Vec<u8>]) -> bool {
         let all = self.signatures.iter_mut().chain([&mut self.cues]);
         for (known, new) in all.zip(rows) {

@@ -52,7 +52,7 @@ const NARROWEST: f64 = 1.2;
 /// A flat eye wider than this was squeezed to half its height.
 const WIDEST: f64 = 2.8;
 
-/// A sphere this many times as wide or as high as its angles is told to be stretched.
+/// A sphere this many times as wide or as high as its angles is reported as stretched.
 const STRETCHED: f64 = 1.02;
 
 /// Finds how `input` surrounds the eyes, and says what was assumed; refuses what does not fit.

@@ -35,7 +35,7 @@ pub struct BrokenBox {
 pub enum Ffmpeg {
     /// It does not open the file.
     Refuses,
-    /// It takes for the box what is none of it, or one of two that contradict each other.
+    /// It takes something else for the box, or one of two that contradict each other.
     Misreads,
     /// It reads on as if the box were not there.
     PassesOver,

@@ -123,7 +123,7 @@ fn torn_and_damaged_ends_are_coded_again() {
 }
 
 #[test]
-fn what_differs_is_named_and_started_afresh() {
+fn what_differs_is_named_and_started_over() {
     let clip = clip();
     let out = Scratch::new("foveal");
     let other = PrepareSettings {
@@ -138,7 +138,7 @@ fn what_differs_is_named_and_started_afresh() {
         let (notes, ended) = run(&clip, &out, settings, go_on, u32::MAX);
         assert!(ended && nothing_left(&out));
         assert!(
-            notes[0].contains("starts afresh") && notes[0].contains(word),
+            notes[0].contains("starting over") && notes[0].contains(word),
             "{notes:?}"
         );
         assert_eq!(bytes(&out), bytes(&prepared(&clip, settings)));
@@ -230,7 +230,7 @@ fn a_pack_that_cannot_be_read_back_gets_no_name() {
     assert!(nothing_left(&out));
 }
 
-/// Somebody who is shown the whole pack, and tells what was lost unless stopped.
+/// A guide that is shown the whole pack, and says what was lost unless stopped.
 struct Judge {
     stops: bool,
 }

@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 /// The luma of those frames of a group that count.
 pub(crate) type ShownGroup = Vec<Vec<u8>>;
 
-/// What tiles show, as long as levels beside theirs need it.
+/// What tiles show, as long as levels next to theirs need it.
 pub(crate) struct DecodedGroups {
     grid: TileGrid,
     meter: StepMeter,

@@ -59,7 +59,7 @@ pub fn clusters(file: impl Read + Seek) -> Clusters {
         end: 0,
         found: Clusters::default(),
     };
-    // What cannot be read any more is told by who reads the pictures.
+    // What cannot be read any more is reported by the reader of the pictures.
     let _ = walk.file();
     walk.found
 }
@@ -133,7 +133,7 @@ impl<F: Read + Seek> Walk<F> {
         self.search()
     }
 
-    /// Whether at `end`, to which it goes, the file ends or an element begins that stands beside
+    /// Whether at `end`, to which it goes, the file ends or an element begins that follows
     /// clusters.
     fn begins_another(&mut self, end: u64) -> std::io::Result<bool> {
         self.go(end)?;

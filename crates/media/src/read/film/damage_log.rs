@@ -59,7 +59,7 @@ struct Listener {
     said: AtomicU64,
 }
 
-/// Counts what somebody says, from any thread.
+/// Counts what is reported, from any thread.
 pub(crate) struct DamageLog {
     listener: Arc<Listener>,
     heard: u64,
@@ -105,7 +105,7 @@ impl DamageLog {
         context.opaque = self.place();
     }
 
-    /// Whether damage was told of since this was asked.
+    /// Whether damage was reported since this was asked.
     pub(crate) fn has_heard(&mut self) -> bool {
         let said = self.listener.said.load(Ordering::Acquire);
         std::mem::replace(&mut self.heard, said) != said

@@ -43,7 +43,7 @@ pub struct Heif {
     pub is_series: bool,
 }
 
-/// Coded pictures that lie beside each other.
+/// Coded pictures that lie next to each other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tiled {
     /// Columns of tiles.
@@ -186,7 +186,7 @@ impl<'a> Items<'a> {
             let wide = if it.first()? == &0 { 2 } else { 4 };
             Numbers(it.get(4..)?).next(wide)
         });
-        // Data may lie in a box beside the list.
+        // Data may lie in a box next to the list.
         let stored = first(b"idat").map(|it| {
             let from = at + (it.as_ptr() as usize - meta.as_ptr() as usize) as u64;
             from..from + it.len() as u64
