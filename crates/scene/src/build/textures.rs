@@ -18,7 +18,7 @@ const STEPS: f64 = 65_534.0;
 pub(super) struct ShownImage {
     /// Number of the picture.
     pub image: usize,
-    /// What lies beside it.
+    /// What lies outside it.
     pub wrap: [Wrap; 2],
     /// Where its alpha is less, nothing is drawn.
     pub cutoff: Option<f32>,

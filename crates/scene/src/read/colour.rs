@@ -302,7 +302,7 @@ mod tests {
         assert!(remark.unwrap().contains("4095"));
         let mut codes = [[65_535, 0, 300], [200, 300, 9000], [40, 20, 0]];
         let before = codes;
-        assert!(mend(&mut codes).is_some(), "dark beside bright");
+        assert!(mend(&mut codes).is_some(), "dark next to bright");
         assert_eq!(codes, before);
         let mut codes = [[65_535, 0, 300], [400, 300, 9000]];
         assert_eq!(mend(&mut codes), None);

@@ -25,15 +25,15 @@ const MOST_TEXELS: u64 = 1 << 28;
 const MOST_TEXELS_A_BYTE: u64 = 1 << 14;
 /// So many may always be: a WebP of one colour has some dozens of bytes.
 const MOST_FREE_TEXELS: u64 = 1 << 22;
-/// Bytes that a picture may take that is decoded whole, beside eight for each of its file.
+/// Bytes that a picture may take that is decoded whole, besides eight for each of its file.
 const MOST_WHOLE: u64 = 220 << 20;
 const MOST_WHOLE_A_BYTE: u64 = 8;
-/// What a PNG's decoder may allocate beside the picture.
+/// What a PNG's decoder may allocate besides the picture.
 const MOST_PNG_BYTES: usize = 64 << 20;
 /// Columns and rows that are read of any head.
 const MOST_TOLD: usize = 65_535;
-/// Bytes of memory a texel, of what is decoded whole: of a TGA as it is told and as it is shown; of
-/// a BMP as its runs tell it, and as it is shown; of a WebP also the planes or transforms of its
+/// Bytes of memory a texel, of what is decoded whole: of a TGA as stored and as shown; of
+/// a BMP as its runs give it, and as shown; of a WebP also the planes or transforms of its
 /// codec, and what an animation is drawn on.
 const BYTES_OF_TGA: u64 = 8;
 const BYTES_OF_BMP: u64 = 5;
@@ -70,7 +70,7 @@ impl fmt::Display for PictureFault {
             ),
             Self::Claims([columns, rows], bytes) => write!(
                 out,
-                "tells of {columns} x {rows} texels, which do not fit into its {}",
+                "announces {columns} x {rows} texels, which do not fit into its {}",
                 counted(*bytes, "byte")
             ),
             Self::Whole([columns, rows], most) => write!(
@@ -248,7 +248,7 @@ fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::normalize_to_color8());
-    // Rows that come are shown, whatever the sums behind them say; `damage` tells of these.
+    // Rows that come are shown, whatever the sums behind them say; `damage` counts these.
     decoder.ignore_checksums(true);
     decoder
 }
@@ -516,7 +516,7 @@ mod tests {
             measured(&bomb),
             Err(PictureFault::Claims([16_384; 2], bomb.len() as u64))
         );
-        // A head that tells of less than what follows.
+        // A head that announces less than what follows.
         let mut hidden = b"RIFF\x2c\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\x01\0\0\0\0\0".to_vec();
         hidden.extend(&bomb[12..]);
         assert!(matches!(measured(&hidden), Err(PictureFault::Claims(..))));

@@ -116,7 +116,7 @@ pub fn read_any_picture(bytes: &[u8]) -> bool {
     true
 }
 
-/// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if
+/// Reads any bytes as a format, with no files next to them; `true` if they are a scene. Panics if
 /// that scene breaks what [`SourceScene`] promises: for fuzzing and tests.
 pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let file = SceneFile {

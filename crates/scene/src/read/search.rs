@@ -1,7 +1,8 @@
 //! Which file does a name mean that was written on another machine?
 //!
-//! Names in 3D files are paths of whoever made them: `C:\work\wood.png`, `../textures/wood.png`,
-//! `"Wood.PNG"`. The file of that name in the folder of the 3D file is taken for it, as viewers do.
+//! Names in 3D files are paths on their author's machine: `C:\work\wood.png`,
+//! `../textures/wood.png`, `"Wood.PNG"`. The file of that name in the folder of the 3D file is
+//! taken for it, as viewers do.
 
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
@@ -13,9 +14,9 @@ use unicode_normalization::UnicodeNormalization;
 
 /// Most folders in a name; what stands before them is of no help.
 const MOST_PARTS: usize = 16;
-/// Folders beside a model in which pictures are put.
+/// Folders next to a model in which pictures are put.
 const USUAL: [&str; 6] = ["textures", "texture", "tex", "maps", "images", "materials"];
-/// Most other names that are told one by one.
+/// Most other names that are reported one by one.
 const MOST_TOLD: u64 = 16;
 
 /// Where the files lie that a scene file names.
@@ -70,7 +71,7 @@ impl Taken {
         }
     }
 
-    /// Whether it is told of one more, after so many.
+    /// Whether one more is reported, after so many.
     pub(super) fn is_told(after: u64) -> bool {
         after < MOST_TOLD
     }

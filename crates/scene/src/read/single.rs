@@ -241,7 +241,7 @@ fn found_instead(scene: &SourceScene) -> String {
             "triangles that are NaN or infinite",
         ),
         ("points_without_place", "points that are NaN or infinite"),
-        ("lines_broken", "lines that are none of its format"),
+        ("lines_broken", "lines that do not belong to its format"),
     ];
     let found: Vec<String> = what
         .iter()

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use foveal_core::view::panel::alpha::AlphaMap;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
-/// Most bytes that a decoder may hold beside the picture.
+/// Most bytes that a decoder may hold besides the picture.
 const MOST_HELD: usize = 1 << 24;
 
 /// Reads a PNG of `size` pixels, of which grey or red counts: to the power of `gamma` it is the

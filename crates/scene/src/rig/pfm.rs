@@ -2,10 +2,10 @@
 
 use foveal_core::view::panel::residual_grid::ResidualGrid;
 
-/// Reads the bytes of a file beside the rig file, or tells why not.
+/// Reads the bytes of a file next to the rig file, or says why not.
 pub(super) type ReadBeside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, String>;
 
-/// Steps by which the third float tells what the first two lose by rounding: 2^-34 each, from -512
+/// Steps by which the third float keeps what the first two lose by rounding: 2^-34 each, from -512
 /// on, 11 bits of the second and above these 11 of the first, all times 2^-70. So it is as good as
 /// 0 to programs that do not know.
 const LOST_STEP: f64 = 1.0 / (1_u64 << 34) as f64;
@@ -101,7 +101,7 @@ impl<'a> FloatMap<'a> {
         (self.nodes != self.pixels).then_some(self.nodes)
     }
 
-    /// The three floats of a pixel, a point in space; 0 where a node beside it tells of none. Lines
+    /// The three floats of a pixel, a point in space; 0 where a node next to it has none. Lines
     /// as the file has them.
     pub(super) fn triple(&self, line: usize, column: usize) -> [f64; 3] {
         let of = |at: [usize; 2]| [0, 1, 2].map(|k| f64::from(self.float(at[1], at[0], k)));

@@ -84,7 +84,7 @@ pub(super) fn build(
     let nodes = nodes.map_err(|error| match error {
         OctreeError::Deep => BuildError::Source {
             object: source.name.clone(),
-            what: "more points at few places than can be told apart",
+            what: "more points at few places than can be distinguished",
         },
         OctreeError::Unit(error) => BuildError::Unit(error),
     })?;

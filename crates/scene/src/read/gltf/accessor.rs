@@ -185,7 +185,7 @@ impl Accessors<'_> {
         let component = component_of(accessor.component_type).map_err(fault)?;
         let width = width_of(&accessor.shape).ok_or_else(|| {
             let shape = shortened(&accessor.shape);
-            fault(format!("its type is {shape:?}, which is none of a mesh"))
+            fault(format!("its type is {shape:?}, which no mesh has"))
         })?;
         let rows = match accessor.buffer_view {
             Some(view) => {

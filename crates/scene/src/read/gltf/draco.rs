@@ -10,7 +10,7 @@ use super::super::error::Fault;
 use super::buffers::Buffers;
 use super::json::{Accessor, Document, GltfAttributes, Primitive, View};
 
-/// How corners of triangles are told: unsigned, 32 bits.
+/// How corners of triangles are stored: unsigned, 32 bits.
 const INDICES: u32 = 5125;
 /// The mode of triangles.
 const TRIANGLES: u32 = 4;

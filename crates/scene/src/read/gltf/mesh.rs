@@ -110,7 +110,7 @@ impl MeshReader<'_> {
     }
 
     /// Reads mesh `number`, which exists; it may have no triangle. Parts that cannot be read are
-    /// left out; refused is what tells of far more than the file has.
+    /// left out; a mesh that claims far more than the file has is refused.
     pub(super) fn read(&mut self, number: u32) -> Result<SourceMesh, Fault> {
         let said = &self.accessors.document.meshes[number as usize];
         self.points = MeshPoints::default();
@@ -349,7 +349,7 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// What vertices have beside a place, one of each a vertex; what cannot be read is left out.
+    /// What vertices have besides a place, one of each a vertex; what cannot be read is left out.
     fn beside_places(
         &mut self,
         streams: Streams,

@@ -3,7 +3,7 @@
 //! Source: Microsoft, "Bitmap Storage" and the structures that it names; IBM, "OS/2 Presentation
 //! Manager" for the oldest head.
 
-/// Bytes before what tells how long it is itself.
+/// Bytes before the header that gives its own length.
 const FILE_HEAD: usize = 14;
 /// The oldest head.
 const OLDEST: usize = 12;

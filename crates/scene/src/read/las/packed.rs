@@ -1,7 +1,7 @@
 //! How are the points of a LAZ file unpacked, however damaged it is?
 //!
 //! Chunk by chunk. What the file says of chunks and of the layers in them is compared with its
-//! length before `laz` is given a chunk, for that allocates what it is told.
+//! length before `laz` is given a chunk, which allocates what it is asked to.
 
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Who writes the record that tells how points are packed, and its number.
+/// Who writes the record that says how points are packed, and its number.
 const LASZIP: &[u8] = b"laszip encoded";
 const LASZIP_NUMBER: u16 = 22204;
 /// Bytes of what that says before its items, and of an item.
@@ -26,7 +26,7 @@ const CHUNK_SIZE_AT: usize = 12;
 const ANY_SIZE: u32 = u32::MAX;
 /// Bytes that say where the table of chunks lies.
 const POINTER_BYTES: usize = 8;
-/// Bytes that a byte unpacks to at most, beside what may always be: more would be the same point,
+/// Bytes that a byte unpacks to at most, besides what may always be: more would be the same point,
 /// over and over. Scans of a plain by a machine reach hundreds.
 const MOST_UNPACKED: u64 = 2048;
 const MOST_FREE: u64 = 1 << 25;
@@ -115,7 +115,7 @@ impl Packed<'_> {
         most / self.record_bytes as u64
     }
 
-    /// Unpacks chunks that a table tells of.
+    /// Unpacks chunks that a table lists.
     fn all_of(
         &self,
         chunks: &[Chunk<'_>],
@@ -247,7 +247,7 @@ impl Packed<'_> {
         chunks
     }
 
-    /// Unpacks points one after the other until there are no more bytes, where no table tells of
+    /// Unpacks points one after the other until there are no more bytes, where no table lists
     /// chunks. Returns how many these are; none is an error.
     fn in_turn(
         &self,

@@ -109,7 +109,7 @@ impl MapOptions {
         others.chain([&*self.file]).collect()
     }
 
-    /// Remembers that a library of this name tells of it.
+    /// Remembers that a library of this name describes it.
     fn lies_beside(&mut self, library: &str) {
         if let Some((folder, _)) = library.rsplit_once(['/', '\\']) {
             self.others.push(format!("{folder}/{}", self.file));

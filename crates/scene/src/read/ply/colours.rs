@@ -24,7 +24,7 @@ pub(super) struct ColourColumns {
     kind: Kind,
 }
 
-/// How rows tell of colours.
+/// How rows give colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Kind {
     /// By red, green and blue.
@@ -121,7 +121,7 @@ impl ColourColumns {
             && element.properties.iter().any(is_colour)
     }
 
-    /// Whether one number tells of all parts of a colour.
+    /// Whether one number gives all parts of a colour.
     pub(super) fn is_packed(&self) -> bool {
         self.kind == Kind::Packed
     }

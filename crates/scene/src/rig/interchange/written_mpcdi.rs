@@ -227,7 +227,7 @@ impl<'a> SentPanel<'a> {
         Ok(sent)
     }
 
-    /// Right and down of the axis; `None` beside or behind it.
+    /// Right and down of the axis; `None` at its side or behind it.
     fn tangent(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = ray.dot(self.axes.forward);
         let [x, y] = [self.axes.right, self.axes.down].map(|it| ray.dot(it) / depth);

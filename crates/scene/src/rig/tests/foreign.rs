@@ -90,7 +90,7 @@ fn assert_comes_back(panels: &[&Panel], found: &SourceFit) {
         let off = apart(own, back, found);
         assert!(off < SAME, "{}: {off} pixels", own.id);
     }
-    // Of ours, too, with its maps beside it.
+    // Of ours, too, with its maps next to it.
     let files = write_rig(&back, "rig").unwrap();
     let beside = |name: &str| {
         let file = files.iter().find(|it| it.0 == name);
@@ -237,7 +237,7 @@ fn all_that_writers_disagree_in_is_read() {
         let found = read(&zipped(&[(name, text.as_bytes()), ("./a.pfm", &map)]));
         assert_eq!(found.as_ref(), Ok(&expected), "{text}");
     }
-    // Bare, with its map beside it.
+    // Bare, with its map next to it.
     let beside = |name: &str| {
         (name == "a.pfm")
             .then(|| map.clone())
