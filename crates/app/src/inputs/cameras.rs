@@ -33,7 +33,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "with the command that converts it",
         },
         Finding {
-            found: "two fisheyes beside each other, by their look",
+            found: "two fisheyes side by side, by their look",
             outcome: Refused,
             told: "with the command that converts it",
         },

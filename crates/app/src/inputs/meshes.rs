@@ -112,7 +112,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "`mtllib` and `map_Kd` with the folders of another machine",
                 outcome: Mended,
-                told: "the file of that name beside the model, as of [textures](#textures); \
+                told: "the file of that name next to the model, as of [textures](#textures); \
                        without one the shape comes in its colour",
             },
             Finding {

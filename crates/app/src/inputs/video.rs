@@ -96,7 +96,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "pixels that are not square, by the stream or by the container alone",
             outcome: Read,
-            told: "shown in their shape, told in `pixel_aspect`; beyond 8:1 passed over",
+            told: "shown in their shape, listed in `pixel_aspect`; beyond 8:1 passed over",
         },
         Finding {
             found: "pixels whose shape changes",
