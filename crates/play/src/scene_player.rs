@@ -240,7 +240,7 @@ impl ScenePlayer {
         })
     }
 
-    /// Tells the session what parts of the view units would refine.
+    /// Gives the session what parts of the view units would refine.
     fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
         match &mut self.rendered {
             Some(rendered) => self.session.see(AssetId(0), rendered.footprints(moment)?),

@@ -156,7 +156,7 @@ impl Drawer {
         }
     }
 
-    /// Tells a session what parts of the view units would refine, where it chooses by that: what
+    /// Gives a session what parts of the view units would refine, where it chooses by that: what
     /// was measured since the last call. Begins to measure what is drawn now, where that is due.
     ///
     /// # Errors
@@ -436,7 +436,7 @@ impl Drawer {
     }
 
     /// From now on paints over pictures of a scene what each unit that would refine them is worth
-    /// to this viewer, with these parameters, as footprints measured now tell; or nothing. Over a
+    /// to this viewer, with these parameters, by the footprints measured now; or nothing. Over a
     /// video it paints nothing. Blocks.
     ///
     /// # Errors

@@ -112,7 +112,7 @@ impl Beneath {
             match openat2(&self.handle, name, flags, Mode::empty(), inside) {
                 Ok(file) => return Ok(file.into()),
                 Err(Errno::AGAIN) => {}
-                // Links that name the whole way are taken for leading out; they may lead back.
+                // Links that name the whole way count as leading out; they may lead back.
                 Err(Errno::XDEV) => return self.open_and_compare(name),
                 // Linux before 5.6, and what filters system calls.
                 Err(Errno::NOSYS | Errno::PERM) => return self.open_and_compare(name),

@@ -30,7 +30,7 @@ pub(crate) fn bytes_of(mut file: File, most: u64) -> Result<Vec<u8>, PlainBytesE
     Ok(bytes)
 }
 
-/// Most bytes of a file that is kept whole: as many as the machine has memory, where Linux tells,
+/// Most bytes of a file that is kept whole: as many as the machine has memory, where Linux says,
 /// else 64 GiB.
 pub(crate) fn most_kept() -> u64 {
     let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();

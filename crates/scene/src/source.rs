@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Most missing pictures that are named.
 const MOST_MISSING_NAMED: u64 = 8;
 
-/// A scene as its files tell it: nothing is simplified or put on a grid yet.
+/// A scene as its files describe it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
 pub struct SourceScene {
     /// What stands in the scene.

@@ -39,7 +39,7 @@ impl EyeRequest {
         };
         let view = EyeView {
             position,
-            // As its angles tell it, which is what a log keeps.
+            // As its angles give it, which is what a log keeps.
             axes: HeadPose::of(&axes).axes(),
             field: Field::of(self.tangents),
             size: self.size.map(|side| side.max(1)),

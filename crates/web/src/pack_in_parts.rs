@@ -29,7 +29,7 @@ const OF_VIDEO: Bounds = Bounds {
     gpu: 2 << 30,
 };
 /// The same of a scene, whose units stay on the GPU as long as they are seen. Few are asked for at
-/// once, so that who turns away waits for little that is no longer wanted.
+/// once, so that turning away is not delayed by stale requests.
 const OF_SCENE: Bounds = Bounds {
     in_flight: 8 << 20,
     cached: 256 << 20,

@@ -31,7 +31,7 @@ const FIRST_GUESS: f64 = 1e6;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
 const HEADSET_HOLDS_S: f64 = 0.5;
 
-/// What a step tells, as bits.
+/// What a step returns, as bits.
 pub mod flag {
     /// The picture changed: draw.
     pub const DRAW: u32 = 1;

@@ -391,7 +391,7 @@ impl Show {
         self.player.viewer.pointer.leave(Seconds(now));
     }
 
-    /// Takes a gaze record; refuses what is none.
+    /// Takes a gaze record; refuses anything else.
     pub fn gaze(&mut self, record: &str, now: f64) -> Outcome<()> {
         let taken = self
             .player

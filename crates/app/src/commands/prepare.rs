@@ -97,7 +97,7 @@ pub(crate) struct PrepareVideoArgs {
     out: Option<PathBuf>,
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
     ///
-    /// The metadata of a photo sphere (GPano) also tell which part of the sphere a picture covers
+    /// The metadata of a photo sphere (GPano) also say which part of the sphere a picture covers
     /// and where north is, which is then forward; any other choice than auto passes them over.
     ///
     /// Without metadata the size of one eye's picture decides, with the words of the name. 360°:
@@ -144,8 +144,8 @@ pub(crate) struct PrepareVideoArgs {
     /// Leave the sound out.
     #[arg(long)]
     no_sound: bool,
-    /// Do not tell how far the finest level is from the source: PSNR, and the score at the worst of
-    /// nine gazes.
+    /// Do not measure how far the finest level is from the source: PSNR, and the score at the worst
+    /// of nine gazes.
     #[arg(long)]
     no_loss: bool,
     /// Test how the score falls as detail is dropped, and store it in the pack: what --target
@@ -273,7 +273,7 @@ impl PrepareVideoArgs {
         })
     }
 
-    /// Makes the pack with a progress bar, and says what no plan could tell.
+    /// Makes the pack with a progress bar, and says what no plan could say.
     fn prepare(
         &self,
         (out, claim): (&Path, NameClaim),

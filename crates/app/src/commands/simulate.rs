@@ -74,7 +74,7 @@ pub(crate) struct RunSummary {
     pub(crate) detail_share_mean: Option<f64>,
     /// The score that levels were chosen for, in JOD; null without one.
     pub(crate) target: Option<f64>,
-    /// The score against every finest tile that signatures foretell, in JOD; null for packs
+    /// The score against every finest tile that signatures predict, in JOD; null for packs
     /// without, and under a link.
     pub(crate) expected_jod: Option<f64>,
     /// Whether buying stopped because the target was reached; null without a link or a target.
@@ -166,7 +166,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
-/// Begins the log: should a run be interrupted, it tells in which folders its pictures lie.
+/// Begins the log: should a run be interrupted, it says in which folders its pictures lie.
 fn begin_log(player: &Player, out: &Path) -> anyhow::Result<()> {
     let begun = session(player, &[]).write();
     output::write_whole(&out.join(LOG), begun.as_bytes())

@@ -145,7 +145,7 @@ fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
     }
 }
 
-/// An argument as a number; no number is none that a direction may have.
+/// An argument as a number; anything else becomes no direction.
 fn number(argument: &OscType) -> f64 {
     match argument {
         OscType::Float(value) => f64::from(*value),

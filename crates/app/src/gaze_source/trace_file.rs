@@ -20,7 +20,7 @@ pub(crate) enum GazeFile {
     Recording(HeadRecording),
 }
 
-/// Which of them a file is taken for where its header tells nothing.
+/// Which of them a file counts as where its header says nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GazeForm {
     Trace,

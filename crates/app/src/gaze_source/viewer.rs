@@ -1,4 +1,4 @@
-//! What is taken for granted about a viewer?
+//! What is assumed about a viewer?
 
 use crate::report::output::read_settings;
 use anyhow::{Context, bail};

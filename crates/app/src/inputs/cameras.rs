@@ -20,7 +20,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "a word in the name: `pano`, `sphere`, `360`, ..",
             outcome: Remarked,
-            told: "believed as a whole word: `atmosphere` is none",
+            told: "believed as a whole word: `atmosphere` does not match",
         },
         Finding {
             found: "GoPro's `.360`",

@@ -42,7 +42,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "colours of vertices in whole numbers that are not said to be normalised, or \
                     real ones up to 255",
             outcome: Mended,
-            told: "the largest code is taken for all light, `repairs.colours_not_normalised`",
+            told: "the largest code counts as full light, `repairs.colours_not_normalised`",
         },
         Finding {
             found: "`KHR_materials_pbrSpecularGlossiness`",

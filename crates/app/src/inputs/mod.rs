@@ -41,7 +41,7 @@ pub(crate) fn markdown() -> String {
     for format in all() {
         let _ = write!(text, "\n## {}\n\n{}\n", format.name, format.read);
         if !format.rows.is_empty() {
-            text += "\n| found | | what is shown, and told |\n|---|---|---|\n";
+            text += "\n| found | | what is shown and reported |\n|---|---|---|\n";
         }
         for row in format.rows {
             let _ = writeln!(

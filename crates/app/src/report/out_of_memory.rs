@@ -1,4 +1,4 @@
-//! How is it told that there is no memory left, without any?
+//! How is running out of memory reported, without any memory?
 
 use crate::report::called::json_asked;
 use crate::report::output::has_printed;

@@ -119,7 +119,7 @@ fn print_fault(fault: &Fault) {
         error: &'a Fault,
     }
     if called().json && !PRINTED.load(Ordering::Relaxed) {
-        // Where stdout takes nothing, stderr has told it.
+        // Where stdout takes nothing, stderr has it.
         let _ = result(true, &Failed { error: fault }, "");
     }
 }

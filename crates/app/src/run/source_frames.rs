@@ -157,7 +157,7 @@ fn is_of(info: &SourceInfo, about: &Description) -> bool {
     [info.width, info.height] == about.source.size && (rate - 1.0).abs() < RATE_TOLERANCE && as_long
 }
 
-/// The preparation that makes faces like those of a pack, which does not tell how the video
+/// The preparation that makes faces like those of a pack, which does not say how the video
 /// surrounds the eyes; none where no projection does. Faces of another size are those of another
 /// way to make them.
 fn plan_like(

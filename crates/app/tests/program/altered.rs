@@ -1,6 +1,6 @@
 //! Is what a player refuses refused by `verify` too, and does one bad unit cost that unit alone?
 //!
-//! Packs are altered and sealed again, so that no checksum tells.
+//! Packs are altered and sealed again, so that no checksum shows it.
 
 use crate::support::{Folder, foveal, json_of};
 use foveal_core::content::mesh::payload::ClusterRef;
@@ -145,7 +145,7 @@ fn cloud() -> String {
 /// What two commands make of a pack.
 #[derive(Debug)]
 struct Made {
-    /// Places that `verify` tells; `None` where it cannot be opened.
+    /// Places that `verify` lists; `None` where it cannot be opened.
     damage: Option<u64>,
     /// Units that a player could not show; or why it ended.
     played: Result<u64, String>,

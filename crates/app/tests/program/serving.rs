@@ -168,7 +168,7 @@ fn packs_of_other_pixels_have_another_tag_whatever_their_size_and_time() {
     let [first, second, again] = [&good, &other, &good].map(|bytes| tag(bytes));
     assert_ne!(first, second);
     assert_eq!(first, again);
-    // Both have one date: by that a part of one is not taken for a part of the other.
+    // Both have one date: so a part of one must not pass as a part of the other.
     let whole = server.ask("GET", "/b.foveal", &[]);
     let date = whole.header("last-modified").unwrap();
     let by_date = server.ask(

@@ -327,7 +327,7 @@ fn a_damaged_pack_is_published_and_told() {
         return;
     };
     let mut bytes = std::fs::read(&pack).unwrap();
-    // Before the index, whose place the header tells (docs/formats/pack.md), is the last chunk.
+    // Before the index, whose place the header gives (docs/formats/pack.md), is the last chunk.
     let index = u64::from_le_bytes(bytes[24..32].try_into().unwrap());
     bytes[index as usize - 9] ^= 1;
     let pack = folder.holding("b.foveal", &bytes);

@@ -22,7 +22,7 @@ pub(crate) struct Display {
 impl Display {
     /// Starts one; `None`, and a line that says so, where there is no Xvfb. The server chooses a
     /// free number and prints it when clients may come: a socket left behind by one that
-    /// was killed is not taken for a server.
+    /// was killed is not mistaken for a server.
     pub(crate) fn start() -> Option<Self> {
         let kept = Folder::new();
         let started = Command::new("Xvfb")
@@ -103,7 +103,7 @@ pub(crate) fn watched(
     Some(serde_json::from_str(&ran.stdout).unwrap())
 }
 
-/// A flat pack of six frames in which every tile tells its frame.
+/// A flat pack of six frames in which every tile identifies its frame.
 pub(crate) fn flat_pack(folder: &Folder) -> String {
     let pictures: Vec<Picture> = (0..6)
         .map(|frame| numbered_tiles([512, 288], 64, frame))

@@ -105,7 +105,7 @@ pub trait Demand: core::fmt::Debug + Send {
     }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
-    /// once all of it is shown; `None` before any choice and where nothing tells.
+    /// once all of it is shown; `None` before any choice and where it is unknown.
     fn expected_jod(&self) -> Option<f64> {
         None
     }

@@ -36,7 +36,7 @@ pub enum Policy {
 }
 
 impl Policy {
-    /// How what signatures tell foretells the score of what this policy chooses.
+    /// How signatures predict the score of what this policy chooses.
     #[must_use]
     pub fn expectation(self) -> Expectation {
         match self {
@@ -112,7 +112,7 @@ pub enum ImportanceSource {
     #[default]
     Signatures,
     /// Pictures of all levels, drawn for each choice: slow, the reference for signatures.
-    /// Footprints then tell the worth itself, the bits of a number of 32 bits in the place of the
+    /// Footprints then hold the worth itself, the bits of a number of 32 bits in the place of the
     /// area.
     Rendered,
 }
@@ -231,7 +231,7 @@ impl PolicyConfig {
         }
     }
 
-    /// The same for content that does not tell what its units add: `acuity`, at the slope by which
+    /// The same for content without signatures: `acuity`, at the slope by which
     /// content of unknown texture keeps the target, in the place of what weighs units.
     #[must_use]
     pub fn without_signatures(&self) -> Self {

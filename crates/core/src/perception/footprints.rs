@@ -110,7 +110,7 @@ impl Footprints {
         }
     }
 
-    /// The footprints of which [`Self::since`] this told such changes.
+    /// The footprints for which [`Self::since`] this returned such changes.
     ///
     /// # Errors
     /// These are no changes: the reason.

@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.
 const WINDOW_S: f64 = 2.0;
-/// Drawings that tell how long the next will take; the slowest of them is an exception.
+/// Drawings that predict how long the next will take; the slowest of them is an exception.
 const DRAWS: usize = 9;
-/// What the longest of the first two drawings is multiplied by to tell how long the next may take.
+/// What the longest of the first two drawings is multiplied by to predict how long the next may
+/// take.
 const FIRST_DRAWS: f64 = 1.5;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 pub const MOST_DRAW_S: f64 = 0.5;

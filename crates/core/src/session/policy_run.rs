@@ -58,7 +58,7 @@ struct SeenFootprints {
     are_measured: bool,
     /// Those measured last; empty before.
     now: Vec<Footprints>,
-    /// Those that the running part of the log tells.
+    /// Those in the running part of the log.
     logged: Vec<Footprints>,
     /// Whether some came since the last choice that are not what they were.
     are_new: bool,

@@ -50,7 +50,7 @@ pub struct ViewerSettings {
 /// What is heard of the content at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heard {
-    /// Nothing that tells the time.
+    /// No clock.
     Nothing,
     /// Sound is on its way that begins at this time of the content; it is heard after so many
     /// seconds, where that is known.

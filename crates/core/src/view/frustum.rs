@@ -57,7 +57,7 @@ impl Frustum {
     }
 
     /// Whether nothing is reached within the angle of this sine from a direction, as
-    /// [`Self::is_missed_by`] says it; `None` where that takes the angle to tell.
+    /// [`Self::is_missed_by`] says it; `None` where deciding that needs the angle.
     pub(crate) fn is_surely_missed(&self, centre: DVec3, sine: f64) -> Option<bool> {
         if self.is_wide() {
             return None;

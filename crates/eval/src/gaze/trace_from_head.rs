@@ -1,4 +1,4 @@
-//! Which trace of eyes and head is a recording that tells the motion of a head, but no poses?
+//! Which trace of eyes and head is a recording that has the motion of a head, but no poses?
 
 use super::head_recording::{HeadRecording, HeadRow, RATE_HZ};
 use foveal_core::gaze::read::row::TraceRow;

@@ -54,7 +54,7 @@ impl GazeTrace {
         Ok(Self { rows })
     }
 
-    /// Where the eye looked in a frame; `None` where no row tells.
+    /// Where the eye looked in a frame; `None` where there is no row.
     #[must_use]
     pub fn at(&self, frame: u32) -> Option<[f64; 2]> {
         let row = self.rows.binary_search_by_key(&frame, |(frame, _)| *frame);

@@ -75,7 +75,7 @@ impl Device {
         let reader = Reader::open(&source, &display).map_err(|reason| {
             let next = match &source {
                 LiveSource::Screen => "is DISPLAY that of a running X server that may be captured?",
-                LiveSource::Window(_) => "is the window still there? xwininfo tells its number",
+                LiveSource::Window(_) => "is the window still there? xwininfo prints its number",
                 LiveSource::Camera(_) => "give a device that `v4l2-ctl --list-devices` lists",
                 _ => "give a graph that makes pictures, such as lavfi:testsrc2",
             };

@@ -33,13 +33,13 @@ const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
 pub(super) struct ReadThrough {
     pub(super) mended: Mended,
     /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
-    /// tells.
+    /// says so.
     pub(super) last_ns: Option<i64>,
 }
 
 /// What reading showed.
 pub(super) struct Findings {
-    /// What a person should know that no plan could tell.
+    /// What a person should know that no plan could say.
     pub(super) warnings: Vec<String>,
     repairs: BTreeMap<String, u64>,
     last_frame_s: Option<f64>,
@@ -178,7 +178,7 @@ impl Findings {
         }
     }
 
-    /// Writes it into a description, after what the plan told.
+    /// Writes it into a description, after what the plan said.
     pub(super) fn tell_in(&self, description: &mut Description) {
         let mut left = MOST_BYTES;
         let mut untold = 0;

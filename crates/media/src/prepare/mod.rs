@@ -72,7 +72,7 @@ const LEAST_READ_AHEAD: u64 = 2;
 pub struct Progress {
     /// Frames read and coded so far.
     pub frames: u32,
-    /// Frames in all, as far as the container tells.
+    /// Frames in all, as far as the container says.
     pub of: Option<u64>,
     /// Bytes of coded tiles so far.
     pub bytes: u64,
@@ -130,7 +130,7 @@ pub struct Prepared {
     pub description: Description,
     /// Bytes of the pack.
     pub bytes: u64,
-    /// What a person should know that no plan could tell.
+    /// What a person should know that no plan could say.
     pub warnings: Vec<String>,
 }
 
@@ -153,7 +153,7 @@ pub fn prepare(
     write_pack(input, plan, description, (writer, &[]), &mut tell)
 }
 
-/// What a preparation that can be gone on with tells while it works.
+/// What a resumable preparation reports while it works.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// It goes on where an earlier one was stopped, or starts over although there was one.
@@ -164,10 +164,10 @@ pub enum Event {
 
 /// Whom a preparation that can be gone on with turns to.
 pub trait Witness {
-    /// Hears what it tells.
+    /// Receives what it reports.
     fn tell(&mut self, event: Event);
 
-    /// What preparing lost, for the pack to tell, or none: the pack is whole, and lies under this
+    /// What preparing lost, for the pack to record, or none: the pack is whole, and lies under this
     /// name until it is given its own.
     fn loss_of(&mut self, _pack: &Path) -> Option<Loss> {
         None
@@ -389,7 +389,7 @@ struct Coder<'a> {
     shown: DecodedGroups,
     notes: Notes,
     times: Vec<i64>,
-    /// Times that [`Self::step`] has told.
+    /// Times that [`Self::step`] has returned.
     told: usize,
     frames: u32,
     bytes: u64,

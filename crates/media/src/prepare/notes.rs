@@ -17,7 +17,7 @@ pub(super) struct Notes {
     /// Of each level, in the order of its units: groups, in a group by rank.
     signatures: Vec<Vec<u8>>,
     cues: Vec<u8>,
-    /// Bytes of each of those that [`Self::new_rows`] has told, the cues' last.
+    /// Bytes of each of those that [`Self::new_rows`] has returned, the cues' last.
     told: Vec<usize>,
 }
 

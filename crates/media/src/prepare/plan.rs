@@ -38,7 +38,7 @@ pub struct PreparationPlan {
     pub remarks: Remarks,
     /// Whether the input is one picture.
     pub is_still: bool,
-    /// Frames as far as the container tells.
+    /// Frames as far as the container says.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
     pub(super) rates: Vec<Rate>,
@@ -240,7 +240,7 @@ fn losses(info: &SourceInfo) -> Vec<String> {
     let mut losses = Vec::new();
     losses.extend(info.transparency.map(|what| what.words().to_owned()));
     if info.is_hdr {
-        losses.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
+        losses.push("its high dynamic range curve is kept and shown as standard range".to_owned());
     }
     losses
 }

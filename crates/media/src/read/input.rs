@@ -98,7 +98,7 @@ impl VideoInput {
         }
     }
 
-    /// How long the last picture is shown, in nanoseconds, as far as the file tells; to be asked
+    /// How long the last picture is shown, in nanoseconds, as far as the file says; to be asked
     /// after it.
     pub(crate) fn last_ns(&self) -> Option<i64> {
         match &self.source {

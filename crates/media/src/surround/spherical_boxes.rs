@@ -6,7 +6,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
-/// Boxes looked at before the rest of a file is taken for sound.
+/// Boxes looked at before the rest of a file counts as intact.
 const MOST_BOXES: u32 = 100_000;
 /// Bytes of a video sample entry before its own boxes.
 const SAMPLE_ENTRY: u64 = 78;

@@ -411,7 +411,7 @@ fn names_and_sizes_say_what_is_taken_for_what() {
             plan.remarks
                 .all()
                 .iter()
-                .any(|note| note.contains("taken for") || note.contains("treated as")),
+                .any(|note| note.contains("treated as")),
             "{name}"
         );
     }

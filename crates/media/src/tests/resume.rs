@@ -28,7 +28,8 @@ fn claimed(out: &Path) -> NameClaim {
     NameClaim::of(out, IfTaken::Replace).unwrap()
 }
 
-/// Prepares until `stop` frames are coded; returns what it told, and whether it came to the end.
+/// Prepares until `stop` frames are coded; returns what it reported, and whether it came to the
+/// end.
 fn run(
     clip: &Path,
     out: &Path,

@@ -191,7 +191,7 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     let mut parts = vec![driver.trim().to_owned(), info.backend.to_string()];
     parts.retain(|part| !part.is_empty());
     let rest = parts.join(", ");
-    // A browser may tell nothing but the interface.
+    // A browser may report nothing but the interface.
     match info.name.as_str() {
         "" => rest,
         name => format!("{name} ({rest})"),

@@ -67,7 +67,7 @@ pub struct SceneLayer {
     footprints: Option<FootprintPass>,
     output: PictureTarget,
     unit_image: Option<wgpu::Texture>,
-    /// What units are worth, where pictures are to tell that.
+    /// What units are worth, where pictures are to show that.
     marks: Option<UnitMarks>,
     /// Where there are clouds of points.
     clouds: Option<PointLayer>,
@@ -140,7 +140,7 @@ impl SceneLayer {
         Ok(())
     }
 
-    /// Tells meshes what clouds take of the memory.
+    /// Gives meshes what clouds use of the memory.
     fn share(&mut self) {
         let clouds = self.clouds.as_ref().map(PointLayer::point_bytes);
         self.memory.share(clouds.unwrap_or_default());

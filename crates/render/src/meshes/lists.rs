@@ -97,7 +97,7 @@ impl DrawList {
         }
     }
 
-    /// Those that may be seen, no more: a shader tells by its length how many there are.
+    /// Those that may be seen, no more: a shader sees by its length how many there are.
     pub(crate) fn candidates(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.candidates,

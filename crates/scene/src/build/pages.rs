@@ -95,7 +95,7 @@ const MOST_NAMED: usize = 8;
 const MOST_PAGE_BYTES: u64 = 64 << 20;
 const MOST_PAGE_BYTES_A_BYTE: u64 = 8;
 
-/// Writes the textures that meshes show, and tells these their numbers.
+/// Writes the textures that meshes show, and gives these their numbers.
 ///
 /// Some hundred rows of one texture after the other are in memory, and the pages of all.
 pub(super) fn write(

@@ -45,8 +45,8 @@ const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Why bytes are no picture that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureFault {
-    /// They are none that is read, or end in their head; of which other format, where that is
-    /// known.
+    /// They are not a format that is read, or end in their head; of which other format, where that
+    /// is known.
     NotOne(Option<&'static str>),
     /// It has another number of columns and rows than a texture can have.
     Size([u32; 2]),
@@ -83,7 +83,7 @@ impl fmt::Display for PictureFault {
     }
 }
 
-/// Columns and rows of a picture; `None` where the bytes are none, or of too large a one.
+/// Columns and rows of a picture; `None` where the bytes are no picture, or too large a one.
 /// Allocates nothing for the picture.
 pub(crate) fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
     measured(bytes).ok()
@@ -189,7 +189,7 @@ enum Format {
     Tga,
 }
 
-/// What the head of a picture tells.
+/// What the head of a picture says.
 struct Told {
     format: Format,
     size: [u32; 2],
@@ -274,7 +274,7 @@ enum RowSource<'a> {
 }
 
 impl<'a> PictureRows<'a> {
-    /// Begins to read a picture; `None` where it is broken, or [`size_of`] tells no size.
+    /// Begins to read a picture; `None` where it is broken, or [`size_of`] finds no size.
     pub(crate) fn open(bytes: &'a [u8]) -> Option<Self> {
         let size = size_of(bytes)?;
         let whole = |decode: fn(&[u8]) -> Option<Samples>| {
@@ -343,7 +343,7 @@ impl<'a> PictureRows<'a> {
     }
 }
 
-/// Adds the texels that samples of eight bits tell.
+/// Adds the texels that samples of eight bits give.
 fn add_texels(samples: &[u8], kind: ColorType, texels: &mut Vec<[u8; 4]>) -> Option<()> {
     let grey = |code: u8, alpha: u8| [code, code, code, alpha];
     match kind {

@@ -210,7 +210,7 @@ impl Mends {
         self.0.get(&mend).map_or(0, |(times, _)| *times)
     }
 
-    /// Tells a scene of them: by number, and in words for people.
+    /// Reports them to a scene: by number, and in words for people.
     pub(super) fn tell(self, file: &str, scene: &mut SourceScene) {
         for (mend, (times, place)) in self.0 {
             *scene.repairs.entry(mend.name.to_owned()).or_default() += times as u64;

@@ -10,7 +10,7 @@ use super::sound::count;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceMesh, SourceObject, SourceScene};
 
-/// So many places tell where most of them lie.
+/// So many places show where most of them lie.
 const MOST_SAMPLES: usize = 4096;
 /// What may lie far on each side of an axis, as a share of these.
 const TAIL: f64 = 0.05;

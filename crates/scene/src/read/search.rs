@@ -2,7 +2,7 @@
 //!
 //! Names in 3D files are paths on their author's machine: `C:\work\wood.png`,
 //! `../textures/wood.png`, `"Wood.PNG"`. The file of that name in the folder of the 3D file is
-//! taken for it, as viewers do.
+//! used instead, as viewers do.
 
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
@@ -32,7 +32,7 @@ pub(super) trait Folder {
     /// The names in a folder of it, by [`key`].
     fn names(&mut self, relative: &Path) -> Rc<Names>;
 
-    /// Hears of a file that is taken for one of another name.
+    /// Hears of a file that is used in place of one of another name.
     fn tell(&mut self, taken: Taken);
 }
 
@@ -55,7 +55,7 @@ pub(super) fn read(folder: &mut dyn Folder, names: &[&str]) -> Result<Rc<Vec<u8>
 /// The names in a folder by what makes them alike, each with the first in order that is.
 pub(super) type Names = HashMap<String, String>;
 
-/// A file that is taken for one of another name.
+/// A file that is used in place of one of another name.
 pub(super) struct Taken {
     /// Whether they differ in capitals alone, or in how letters are composed.
     pub(super) by_case: bool,
@@ -150,9 +150,9 @@ impl Search {
             let by_case = whole.as_ref().is_some_and(|whole| is_like(whole, &path));
             let [name, taken] = [bare, &*path.to_string_lossy()].map(shortened);
             let remark = match by_case {
-                true => format!("there is no {name:?}, but {taken:?}, which is taken for it"),
+                true => format!("there is no {name:?}, but {taken:?}, which is used instead"),
                 false => format!(
-                    "there is no {name:?} in the folder of the model: {taken:?} is taken for it"
+                    "there is no {name:?} in the folder of the model: {taken:?} is used instead"
                 ),
             };
             folder.tell(Taken { by_case, remark });

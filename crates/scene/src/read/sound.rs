@@ -92,7 +92,7 @@ fn make_uvs(mesh: &mut SourceMesh) -> usize {
 }
 
 /// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
-/// names; makes normals unit vectors, those that are none from the triangles around them. Counts
+/// names; makes normals unit vectors, invalid ones from the triangles around them. Counts
 /// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding. Returns
 /// whether some edges have many triangles.
 ///

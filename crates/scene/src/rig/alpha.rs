@@ -23,7 +23,7 @@ pub(super) fn read(bytes: &[u8], size: [u32; 2], gamma: f64) -> Result<AlphaMap,
     }
 }
 
-/// The same of a PNG of any size up to `most` pixels, brought to that of the panel, and the size
+/// The same of a PNG of any size up to `most` pixels, resized to that of the panel, and the size
 /// that it has.
 pub(super) fn read_any(
     bytes: &[u8],

@@ -15,7 +15,7 @@ const LOST_BITS: u32 = 11;
 
 /// Fewest nodes of a map across and down.
 const LEAST_NODES: u32 = 2;
-/// Points nearer than this to the origin are none, in units of the map: nDisplay's.
+/// Points nearer than this to the origin do not count, in units of the map: nDisplay's.
 pub(super) const NO_POINT: f64 = 1e-5;
 
 /// A map of three floats a pixel, or a node between which pixels lie.
@@ -161,7 +161,7 @@ fn lost_of(third: f32) -> [f64; 2] {
         .map(|it| (f64::from(it) - LOST_MIDDLE) * LOST_STEP)
 }
 
-/// Three floats of two numbers, which are at most 1 where the third is to tell what they lose.
+/// Three floats of two numbers, which are at most 1 where the third is to keep what they lose.
 fn floats_of(pair: [f64; 2]) -> [f32; 3] {
     let short = pair.map(|it| it as f32);
     let steps = [0, 1].map(|k| {
@@ -176,7 +176,7 @@ fn floats_of(pair: [f64; 2]) -> [f32; 3] {
     [short[0], short[1], third as f32]
 }
 
-/// The file of a map, little-endian; `pair` tells two numbers by line and column.
+/// The file of a map, little-endian; `pair` gives two numbers by line and column.
 pub(super) fn written(size: [u32; 2], pair: impl Fn(u32, u32) -> [f64; 2]) -> Vec<u8> {
     let [w, h] = size;
     let mut file = format!("PF\n{w} {h}\n-1.0\n").into_bytes();

@@ -72,7 +72,7 @@ struct SpeedRow {
     jobs: usize,
     /// Millions of pixels of the source a second, reading and writing included.
     prepare_mpix_per_s: f64,
-    /// The same by the processor time of all threads; null where the system does not tell.
+    /// The same by the processor time of all threads; null where the system does not report it.
     prepare_mpix_per_cpu_s: Option<f64>,
     prepare_s: f64,
     prepare_cpu_s: Option<f64>,

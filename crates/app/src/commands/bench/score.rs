@@ -50,7 +50,7 @@ struct Report {
     fps: f64,
     jobs: usize,
     frames: usize,
-    /// Processor seconds a frame, all threads; null where the system does not tell.
+    /// Processor seconds a frame, all threads; null where the system does not report it.
     cpu_s_per_frame: Option<Spread>,
     /// Seconds by the clock a frame.
     clock_s_per_frame: Spread,

@@ -88,7 +88,7 @@ fn parse_projector(text: &str) -> anyhow::Result<Projector> {
         known.push(key);
     }
     if known.contains(&"throw") && known.contains(&"fov") {
-        bail!("throw and fov both tell the width of the picture; leave one");
+        bail!("throw and fov both give the width of the picture; leave one out");
     }
     let (Some(at), Some(pixels), Some(half_width)) = (at, pixels, half_width) else {
         bail!(FORM);
@@ -128,8 +128,8 @@ impl ImportArgs {
                  at=X,Y,Z pixels=WxH throw=N\" for each projector"
             ))),
             (false, false) => bail!(WrongUsage(format!(
-                "--projector lights a wall, and {name} is none by its ending; give one that ends \
-                 in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
+                "--projector lights a wall, and {name} is not one by its ending; give one that \
+                 ends in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
             ))),
             (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) => bail!(WrongUsage(format!(

@@ -71,7 +71,7 @@ impl Judge {
             drawing: drawing.clone(),
             bytes_per_s: f64::INFINITY,
             gpu_bytes: u64::MAX / 4,
-            // What is damaged, the player that is judged has told.
+            // The player that is judged has reported what is damaged.
             tell: |_| (),
         };
         let whole = match draws {
@@ -107,7 +107,7 @@ impl Judge {
             let found = match judged.frame((whole, player), (view, standing), report) {
                 Err(error) if judged.scoring.is_none() && is_too_much(&error) => {
                     output::say(&format!(
-                        "errors are not told: the whole scene, which they are from, cannot be \
+                        "errors are not measured: the whole scene, which they are from, cannot be \
                          drawn: {error}"
                     ));
                     self.whole = None;

@@ -365,7 +365,7 @@ const BUILD_S_OF_TEXEL: f64 = 2e-7;
 const BYTES_OF_TEXEL: f64 = 0.6;
 const BYTES_OF_EXACT_TEXEL: f64 = 2.5;
 
-/// The most memory that this program had so far, where the system tells.
+/// The most memory that this program had so far, where the system reports it.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

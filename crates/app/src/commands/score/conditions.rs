@@ -186,7 +186,7 @@ pub(super) fn fps_of(asked: Option<f64>, pair: [&Frames; 2]) -> anyhow::Result<O
         ),
         [Some(rate), _] | [None, Some(rate)] => Ok(Some(rate)),
         [None, None] => bail!(WrongUsage(format!(
-            "{}: numbered pictures tell no rate; give --fps",
+            "{}: numbered pictures have no rate; give --fps",
             reference.name.display()
         ))),
     }

@@ -61,7 +61,7 @@ impl ScoreArgs {
         };
         if self.fps.is_some() {
             bail!(WrongUsage(format!(
-                "--fps: {name} and its source tell their rate; leave it out"
+                "--fps: {name} and its source have a rate; leave it out"
             )));
         }
         let look = (gaze, self.seed);

@@ -92,7 +92,7 @@ fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
 }
 
 /// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
-/// told.
+/// reported.
 fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
     for pack in packs {
         let file = SitePack::open(pack)?;

@@ -113,7 +113,7 @@ impl WindowSurface {
         self.health.lost.load(Ordering::Relaxed)
     }
 
-    /// Lets the driver tell what happened: a lost device, finished uploads.
+    /// Lets the driver report what happened: a lost device, finished uploads.
     pub(crate) fn listen(&self) {
         let _ = self.gpu.device.poll(wgpu::PollType::Poll);
     }

@@ -357,11 +357,11 @@ fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal:
     let refused = |what: &str, error: cpal::Error| anyhow!("the sound device {what}: {error}");
     let default = device
         .default_output_config()
-        .map_err(|error| refused("tells no format", error))?;
+        .map_err(|error| refused("reports no format", error))?;
     let mut config: StreamConfig = default.config();
     let takes_rate = device
         .supported_output_configs()
-        .map_err(|error| refused("tells no formats", error))?
+        .map_err(|error| refused("reports no formats", error))?
         .any(|range| {
             range.channels() == config.channels
                 && range.sample_format() == SampleFormat::F32

@@ -1,4 +1,4 @@
-//! What does the system's window tell, and what is done about it?
+//! What does the system's window report, and what is done about it?
 
 mod input;
 pub(crate) mod panes;

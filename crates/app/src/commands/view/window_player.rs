@@ -392,7 +392,7 @@ impl WindowPlayer {
     /// there before.
     pub(crate) fn drawn(&mut self, begun: Option<Seconds>, at: Seconds) {
         self.draw_rate.note(at);
-        // What is drawn again while another frame is awaited tells nothing.
+        // What is drawn again while another frame is awaited shows nothing.
         if self.viewer.is_drawn(self.live.session()) {
             return;
         }

@@ -112,7 +112,7 @@ fn wrong_word(error: &clap::Error) -> Option<String> {
     })
 }
 
-/// The whole error for people: each cause once, and what to do where the messages do not tell but
+/// The whole error for people: each cause once, and what to do where the messages do not say but
 /// their cause does.
 pub(crate) fn told(error: &anyhow::Error) -> String {
     let text = message::whole(error);

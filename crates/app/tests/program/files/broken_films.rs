@@ -1,4 +1,4 @@
-//! Is what is odd, cut or damaged in films and animations shown, told and counted?
+//! Is what is odd, cut or damaged in films and animations shown, reported and counted?
 
 use super::film_file::Film;
 use super::films::{moving, prepared, remarks, repair, shown};

@@ -1,4 +1,4 @@
-//! Are films as people have them shown, and is what was mended told?
+//! Are films as people have them shown, and are repairs reported?
 
 use super::film_file::{Film, trimmed};
 use crate::scenes::{VIDEO, waves};

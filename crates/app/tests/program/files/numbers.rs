@@ -1,4 +1,4 @@
-//! Do numbers that are none, lines out of order and rows that are missing cost no more than
+//! Do invalid numbers, lines out of order and missing rows cost no more than
 //! themselves?
 
 use super::meshes::{le_bytes, picture, prepared, shown};

@@ -131,7 +131,7 @@ fn a_pack_of_an_older_program_or_a_damaged_one_is_another() {
     }
     // The pack gives away no folder.
     let here = folder.to_str().unwrap();
-    assert!(!text.contains(here), "the pack tells {here}");
+    assert!(!text.contains(here), "the pack names {here}");
 }
 
 #[test]

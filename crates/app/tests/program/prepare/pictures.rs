@@ -256,7 +256,7 @@ fn by_default_the_finest_level_of_a_picture_scores_as_high_as_its_source_without
 #[test]
 fn exif_stands_a_picture_upright_once() {
     let folder = Folder::new();
-    // Red, green above blue, white: where each is seen tells the orientation.
+    // Red, green above blue, white: where each is seen shows the orientation.
     let quarters = [[220, 30, 30], [30, 200, 30], [30, 30, 220], [240, 240, 240]];
     let photo = Photo::new([96, 64], |x, y| quarters[(x / 48 + y / 32 * 2) as usize]);
     for (number, order) in [

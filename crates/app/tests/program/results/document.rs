@@ -23,7 +23,7 @@ pub(super) struct Document {
 
 const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
-/// Whose unit another key tells.
+/// Whose unit another key gives.
 pub(super) const TOLD: &str = "as told";
 const UNITS: [&str; 38] = [
     TOLD,

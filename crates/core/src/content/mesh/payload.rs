@@ -2,7 +2,7 @@
 //!
 //! A unit holds the fine clusters of one group and the vertices that lie inside it: each vertex of
 //! a mesh is sent once. The vertices that stay when the group is simplified are those of the
-//! coarse clusters, which came with units before; which these are, the table of units tells.
+//! coarse clusters, which came with units before; the table of units lists them.
 //! Normative: docs/formats/pack.md.
 //!
 //! In order, numbers little-endian:
@@ -57,7 +57,7 @@ impl ClusterRef {
         self.need << 4 | (self.cluster & 15)
     }
 
-    /// The cluster that such a byte tells. Every byte is one.
+    /// The cluster that such a byte encodes. Every byte is one.
     #[must_use]
     pub fn from_byte(byte: u8) -> Self {
         Self {

@@ -20,7 +20,7 @@ const ALONE: u32 = 4;
 /// Number of classes: two for each count of bits up to 64.
 const CLASSES: usize = 126;
 
-/// The class of a number, the bits that tell it from others of its class, and how many these are.
+/// The class of a number, the bits of its offset within the class, and how many these are.
 fn classed(number: u64) -> (u8, u64, u32) {
     if number < u64::from(ALONE) {
         return (number as u8, 0, 0);
@@ -189,7 +189,7 @@ impl<'a> NumberList<'a> {
     /// Opens the list that is in front, and takes it away.
     ///
     /// # Errors
-    /// It has fewer bytes than it says, or its codes are none.
+    /// It has fewer bytes than it says, or its codes are invalid.
     pub(super) fn take(bytes: &mut &'a [u8]) -> Result<Self, PackError> {
         let mut list = Self {
             bytes: take_block(bytes)?,

@@ -68,7 +68,7 @@ impl SceneDemand {
             held: vec![false; units],
             values: vec![0.0; units],
             worth: SceneWorth::new(&scene, &config.perception, config.importance),
-            // No unit tells its texture: acuity at a slope that keeps the score for any.
+            // The texture of units is unknown: acuity at a slope that keeps the score for any.
             config: match config.policy {
                 Policy::Acuity => config.without_signatures(),
                 _ => config.clone(),
@@ -173,8 +173,8 @@ impl SceneDemand {
         })
     }
 
-    /// The least and the largest that [`Self::excess`] may be; `None` where the eye's model does
-    /// not tell that by two eccentricities.
+    /// The least and the largest that [`Self::excess`] may be; `None` where two eccentricities do
+    /// not decide it in the eye's model.
     fn rough_excess(&self, rough: &RoughError, sight: &Sight) -> Option<[f64; 2]> {
         let pixels = rough.error.0 * sight.pixels / ERROR_PIXELS;
         match (self.config.policy, &self.config.acuity) {

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the description of every scene has as its kind, and needs of its reader.
 pub const KIND: &str = "scene";
-/// Most objects of a scene: a row of the table of units tells one in 16 bits, of which the last
+/// Most objects of a scene: a row of the table of units names one in 16 bits, of which the last
 /// stands for all.
 pub const MOST_OBJECTS: usize = 65_535;
 /// What the description needs whose objects lie in a side table of that name.

@@ -41,7 +41,7 @@ pub struct ScenePack {
     rows: Vec<UnitRow>,
 }
 
-/// What tells kinds of packs apart; a video's has none.
+/// What distinguishes kinds of packs; a video's has none.
 #[derive(Deserialize)]
 struct Kind {
     #[serde(default)]

@@ -235,7 +235,7 @@ pub fn write_units(rows: &[UnitRow], page_rows: u32, numbers: &UnitNumbers) -> V
 /// Reads the rows of a page.
 ///
 /// # Errors
-/// A wrong checksum, or rows that are none.
+/// A wrong checksum, or invalid rows.
 ///
 /// # Panics
 /// The directory must have such a page.

@@ -101,7 +101,7 @@ impl<'a> SceneCheck<'a> {
             false => Err(PackError::new(
                 &format!("unit {}, samples and vertices", unit.0),
                 format!("{found:?}"),
-                format!("{told:?}, as the table tells"),
+                format!("{told:?}, as the table says"),
             )),
         }
     }

@@ -32,7 +32,7 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
         let _ = grid;
         None
     }
-    /// From what signatures foretell of it to the judge's scores, in this view.
+    /// From what signatures predict for it to the judge's scores, in this view.
     fn scale(&self, view: Option<&EyeView>) -> Scale {
         let _ = view;
         Scale::usual()

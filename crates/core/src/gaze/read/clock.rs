@@ -5,7 +5,7 @@
 //! over the last half minute to minute, counts as no delay at all, and what a sample took beyond
 //! it is its delay.
 //!
-//! A clock that leaps ahead again and again, or does not move, tells nothing. Arrivals then take
+//! A clock that leaps ahead again and again, or does not move, is of no use. Arrivals then take
 //! the place of its times, until it has gone as ours does for half a minute.
 
 use crate::units::Seconds;

@@ -133,7 +133,7 @@ fn between([left, right]: [DVec3; 2]) -> Option<DVec3> {
     (left + right).try_normalize()
 }
 
-/// Which eyes (left, right) and which axis (0 to the right, 1 up) an avatar parameter tells.
+/// Which eyes (left, right) and which axis (0 to the right, 1 up) an avatar parameter gives.
 fn parameter(address: &str) -> Option<([bool; 2], usize)> {
     let name = address.strip_prefix("/avatar/parameters/")?;
     let name = name.strip_prefix("FT/").unwrap_or(name);

@@ -61,7 +61,7 @@ pub enum TrackerError {
         /// What was looked for.
         columns: [String; 3],
     },
-    /// A time that is none.
+    /// An invalid time.
     #[error("line {line}, column {column}: found \"{found}\", expected a time")]
     Time {
         /// Line in the file, from 1.

@@ -22,7 +22,7 @@ pub struct BandContrast {
     pub norm: f64,
 }
 
-/// Norm over mean of differences where version 1 does not tell: that of differences whose sizes
+/// Norm over mean of differences where version 1 does not say: that of differences whose sizes
 /// fall off exponentially, 24^(1/4).
 const USUAL_NORM: f64 = 2.213;
 
@@ -70,7 +70,7 @@ impl Signature {
         bytes
     }
 
-    /// The signature that these bytes tell. Every combination of bytes is one.
+    /// The signature that these bytes encode. Every combination of bytes is one.
     #[must_use]
     pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
         let band = |b: usize| {
@@ -88,7 +88,7 @@ impl Signature {
         }
     }
 
-    /// The signature that these bytes of version 1 tell; norms are guessed from means.
+    /// The signature that these bytes of version 1 encode; norms are guessed from means.
     #[must_use]
     pub fn from_bytes_v1(bytes: [u8; Self::BYTES_V1]) -> Self {
         let band = |b: usize| {
@@ -132,7 +132,7 @@ mod tests {
         #[test]
         fn a_contrast_is_told_to_within_a_few_percent(contrast in 1e-4f64..4.0) {
             let told = contrast_of_code(code_of_contrast(contrast));
-            prop_assert!((told / contrast - 1.0).abs() < 0.023, "{contrast} told as {told}");
+            prop_assert!((told / contrast - 1.0).abs() < 0.023, "{contrast} stored as {told}");
         }
 
         #[test]

@@ -30,7 +30,7 @@ impl Cues {
         core::array::from_fn(|k| ((told[k] / MOST[k]).clamp(0.0, 1.0).sqrt() * 255.0).round() as u8)
     }
 
-    /// The cues that these bytes tell. Every combination of bytes is some.
+    /// The cues that these bytes encode. Every combination of bytes is some.
     #[must_use]
     pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
         let [deviation, edges, colour, change] = core::array::from_fn(|k| {

@@ -47,7 +47,7 @@ pub struct SampleMask {
 }
 
 impl MaskShape {
-    /// Samples a pixel that the eye can tell apart, by radius in steps of a quarter pixel: one a
+    /// Samples a pixel that the eye can resolve, by radius in steps of a quarter pixel: one a
     /// minimum angle of resolution on both axes, so more than 1 where pixels are coarser than that.
     fn density(&self) -> Vec<f64> {
         let corner = f64::from(self.side) * core::f64::consts::FRAC_1_SQRT_2 + 2.0;

@@ -69,7 +69,7 @@ pub struct CatalogBuilder {
     chain: Vec<Chain>,
     count: Vec<u8>,
     steps: Vec<Step>,
-    /// What needs what, in the order of being told.
+    /// What needs what, in the order given.
     needs: Vec<(Rung, Rung)>,
 }
 

@@ -59,13 +59,13 @@ impl Session {
     }
 
     /// Every moment is seen through these panels, turned with its head: as
-    /// [`MountedPanel::views`] tells. To be said before anything is chosen.
+    /// [`MountedPanel::views`] gives them. To be said before anything is chosen.
     pub fn show_on(&mut self, panels: Vec<MountedPanel>) {
         self.run.show_on(panels);
     }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
-    /// once all of it is shown; `None` before any choice and where nothing tells.
+    /// once all of it is shown; `None` before any choice and where it is unknown.
     #[must_use]
     pub fn expected_jod(&self) -> Option<f64> {
         self.run.expected_jod()

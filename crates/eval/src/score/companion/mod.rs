@@ -113,7 +113,7 @@ impl CompanionJudge {
         })
     }
 
-    /// Takes in a frame, and tells its value: infinite decibels for the same picture, no number
+    /// Takes in a frame, and returns its value: infinite decibels for the same picture, no number
     /// where it has no fovea of 11 pixels.
     ///
     /// # Errors

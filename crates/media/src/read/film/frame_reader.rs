@@ -68,7 +68,7 @@ pub(crate) struct FrameReader {
     file_log: DamageLog,
     pieces: Pieces,
     codec: Id,
-    /// Why the packets ended before the file did; told once the good frames are out.
+    /// Why the packets ended before the file did; reported once the good frames are out.
     failure: Option<Break>,
     /// Errors since the decoder learnt that there are no more packets, once it did.
     errors_at_end: Option<u32>,
@@ -188,7 +188,7 @@ impl FrameReader {
         self.mending.as_ref().is_some_and(Mending::has_forgiven)
     }
 
-    /// How long the last picture is shown, in ticks of the stream, as far as the file tells.
+    /// How long the last picture is shown, in ticks of the stream, as far as the file says.
     pub(crate) fn last_duration(&self) -> Option<i64> {
         let duration = self.last_packet.map(|(_, duration)| duration);
         duration.filter(|ticks| *ticks > 0)
@@ -254,7 +254,7 @@ impl FrameReader {
         }
     }
 
-    /// Takes note of what the decoder has told since this was called.
+    /// Takes note of what the decoder has reported since this was called.
     fn listen(&mut self) -> Result<(), Break> {
         if !self.log.has_heard() {
             return Ok(());

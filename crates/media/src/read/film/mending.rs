@@ -188,7 +188,7 @@ enum Verdict {
     Bad,
 }
 
-/// Counts what is concealed. Decoders that conceal tell little of it, so another one that refuses
+/// Counts what is concealed. Decoders that conceal report little of it, so another one that refuses
 /// damage reads the same packets.
 pub(crate) struct Mending {
     judge: Option<Judge>,

@@ -33,7 +33,7 @@ pub struct Heif {
     pub(crate) orientation: Orientation,
     /// Width and height of a pixel to each other.
     pub pixel_aspect: Option<[u32; 2]>,
-    /// Matrix and full range, where the file tells other than its coded data: H.273's numbers.
+    /// Matrix and full range, where the file says other than its coded data: H.273's numbers.
     pub colour: Option<(u16, bool)>,
     /// What of it is passed over, in words.
     pub passed_over: Vec<String>,

@@ -120,7 +120,8 @@ fn component_of(kind: DataType, place: &str) -> Result<u32, Fault> {
         DataType::Uint32 => 5125,
         DataType::Float32 => 5126,
         other => {
-            let what = format!("its compressed numbers are of kind {other:?}, which is none");
+            let what =
+                format!("its compressed numbers are of kind {other:?}, which does not exist");
             return Err(Fault::at(place, what));
         }
     })

@@ -218,7 +218,7 @@ impl Packed<'_> {
         unpack(chunk, said, self.packing, &mut |record| records.add(record))
     }
 
-    /// The chunks of layers that follow each other, of which no table tells: each says itself how
+    /// The chunks of layers that follow each other, which no table lists: each says itself how
     /// long it is.
     fn layered_chunks<'b>(&self, bytes: &'b [u8], header: &LasHeader) -> Vec<Chunk<'b>> {
         let sizes_at = self.record_bytes + 4;
@@ -307,7 +307,7 @@ fn packing_of(said: &[u8], header: &LasHeader) -> Result<(Packing, LazVlr), Faul
         1 => Packing::One,
         2 => Packing::Chunks,
         3 => Packing::Layers,
-        other => return Err(fault(format!("packing {other} is none"))),
+        other => return Err(fault(format!("packing {other} does not exist"))),
     };
     let vlr = LazVlr::from_buffer(said).map_err(|error| fault(error.to_string()))?;
     // What an item says of its own size counts where its length is open.
@@ -519,7 +519,7 @@ fn unpack(
         }
         Ok(end.saturating_sub(unpacking.into_inner().position()))
     };
-    // It takes for granted that what a coder tells is in range, and unwinds where it is not; what
+    // It takes for granted that what a coder gives is in range, and unwinds where it is not; what
     // came before is dropped with the file.
     let unwound = |_| Err("it is damaged".to_owned());
     catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)

@@ -180,7 +180,7 @@ impl Library {
                 most,
             } = said;
             if most > MOST_LIGHT {
-                let what = format!("`Kd` reaches {most}: 255 is taken for all light");
+                let what = format!("`Kd` reaches {most}: 255 counts as full light");
                 self.mend("colours_rescaled", &material, &what);
             } else if most > CUT_LIGHT {
                 let what = format!("`Kd` reaches {most}, brighter than white: cut to 1");

@@ -157,7 +157,7 @@ impl PlyColours {
         self.raw.len()
     }
 
-    /// Adds a colour; `false` if it is none, and will be white. An alpha below 0 is not said.
+    /// Adds a colour; `false` if it is invalid, and will be white. An alpha below 0 is not said.
     pub(super) fn add(&mut self, mut colour: [f64; 4]) -> bool {
         match self.kind {
             Kind::Splat => {
@@ -303,7 +303,7 @@ pub(super) fn colour_triangles(mesh: &mut SourceMesh, faces: &[u32], colours: &[
         for corner in triangle {
             let at = *corner as usize;
             let Some(position) = mesh.positions.get(at) else {
-                // What is none is left out with its triangle.
+                // An invalid one is left out with its triangle.
                 *corner = u32::MAX;
                 continue;
             };

@@ -16,7 +16,7 @@ use super::super::error::{NEXT, RigFault};
 use super::foreign_text::text_of;
 use super::warp_map::WarpMap;
 
-/// Rows of the display: a mesh does not tell them.
+/// Rows of the display: a mesh does not give them.
 const ROWS: u32 = 1080;
 /// Largest half width of a display, in half heights.
 const WIDEST: f64 = 8.0;

@@ -131,7 +131,7 @@ struct MpcdiRegion<'a> {
     origin: [u32; 2],
     /// Width over height of the buffer.
     aspect: f64,
-    /// Columns and rows of the buffer, where it tells them.
+    /// Columns and rows of the buffer, where it gives them.
     buffer: Option<[f64; 2]>,
 }
 
@@ -249,7 +249,7 @@ impl<'a> MpcdiDocument<'a> {
         }
     }
 
-    /// The points that a region lights, where a map tells them.
+    /// The points that a region lights, where a map gives them.
     fn space_of(
         &self,
         region: &MpcdiRegion<'a>,
@@ -425,7 +425,7 @@ impl<'a> MpcdiRegion<'a> {
         };
         let angle = |name: &str| {
             let said = frustum.number(name)?;
-            said.ok_or_else(|| self.element.fault(name, "its frustum does not tell it"))
+            said.ok_or_else(|| self.element.fault(name, "its frustum does not give it"))
         };
         let tangent = |name: &str| {
             let degrees = angle(name)?;

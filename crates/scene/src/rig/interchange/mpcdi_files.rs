@@ -132,7 +132,7 @@ impl<'a> MpcdiFilling<'a> {
         ));
     }
 
-    /// What a float map tells.
+    /// What a float map holds.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -156,7 +156,7 @@ impl<'a> MpcdiFilling<'a> {
         Ok(found)
     }
 
-    /// What a picture of shares of light tells, where there is one.
+    /// What a picture of shares of light holds, where there is one.
     pub(super) fn shares(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -199,7 +199,7 @@ impl<'a> MpcdiFilling<'a> {
         }
     }
 
-    /// The light of black: what a map of it tells everywhere alike.
+    /// The light of black: what a map of it holds everywhere alike.
     pub(super) fn black(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -232,7 +232,7 @@ impl<'a> MpcdiFilling<'a> {
             }
             let origin = shortened(origin);
             let what = format!(
-                "{origin} does not tell where the eye is: foveal panels import FILE --eye-at X,Y,Z \
+                "{origin} does not say where the eye is: foveal panels import FILE --eye-at X,Y,Z \
                  does, in metres to the right of, above and behind the origin"
             );
             return Err(map.fault("originOf3DData", what));

@@ -70,7 +70,7 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> PolicyOptions {
     let usual = match (args.demo, pack) {
         (false, _) => Policy::Viewport,
         (true, LivePack::Video(..)) => Policy::Perceptual,
-        // Nothing tells the score of a scene, so what buys by worth would buy all of it.
+        // The score of a scene is unknown, so a policy that buys by worth would buy all of it.
         (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
         (true, LivePack::Scene(_)) => Policy::Eccentricity,
     };

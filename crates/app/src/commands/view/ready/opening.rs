@@ -47,7 +47,7 @@ pub(in crate::commands::view) fn open_window(
     })?))
 }
 
-/// The policy, or what stands in for it where a pack does not tell what its units add; for what is
+/// The policy, or what stands in for it where a pack has no signatures; for what is
 /// to spend a link nothing can.
 pub(in crate::commands::view) fn usable(
     file: &PackFile,

@@ -22,7 +22,7 @@ const HUNDREDTHS: f64 = 100.0;
 
 impl Calibration {
     /// The calibration in the bytes of the side table. Refuses another version, another length than
-    /// the head tells and rows that are no calibration.
+    /// the head says, and rows that are no calibration.
     pub fn parse(version: u32, bytes: &[u8]) -> Result<Self, PackError> {
         let refused = |found: String, expected: &str| {
             PackError::new(

@@ -120,7 +120,7 @@ impl Rules {
         self.select_of(None, 0, glance)
     }
 
-    /// [`Self::select`] for a frame of content, whose cues tell which cells are noisy.
+    /// [`Self::select`] for a frame of content, whose cues say which cells are noisy.
     ///
     /// # Panics
     /// `viewport` needs a view, and a noise threshold content with cues.
@@ -295,7 +295,7 @@ impl Rules {
         level_of_footprint(&self.grid, footprint.max(self.display_limit(glance, probe)))
     }
 
-    /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
+    /// Level-0 pixels that a texel may span at a place before this eye could notice: the density of
     /// the content over twice the highest frequency that is resolved there.
     ///
     /// Eccentricity counts from the edge of the safety disc and the gaze's spread: an eye that is
@@ -349,7 +349,7 @@ impl Rules {
 }
 
 /// Mean variance of red, green and blue of a cell over the group of a frame, in squared code
-/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
+/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues hold its root.
 fn rgb_variance(content: Option<&dyn VideoUnits>, cell: Tile, frame: u32) -> f64 {
     let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
     assert!(cues.is_some(), "a noise threshold was given no cues");

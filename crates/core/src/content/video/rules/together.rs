@@ -11,7 +11,7 @@ use crate::perception::glance::Glance;
 use crate::view::frustum::Frustum;
 
 impl Rules {
-    /// What the eye could tell, and the view shows.
+    /// What the eye could notice, and the view shows.
     pub(super) fn acuity(
         &self,
         glance: &Glance,

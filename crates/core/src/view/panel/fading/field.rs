@@ -316,7 +316,7 @@ fn signed_angle(pieces: &[EdgePiece], from: DVec3) -> f64 {
 }
 
 /// The nearest of pieces, with what [`EdgePiece::reached`] says of it. Where two are equally near,
-/// at the corner between them, that one tells the side whose plane is farther off.
+/// at the corner between them, that one decides the side whose plane is farther off.
 fn nearest(pieces: &[EdgePiece], from: DVec3) -> Option<(&EdgePiece, [f64; 2])> {
     let all = pieces.iter().map(|it| (it, it.reached(from)));
     all.reduce(|best, it| {
