@@ -1,4 +1,4 @@
-// What does the element tell the page that holds it?
+// What does the element report to the page that holds it?
 
 import type { EngineEvents, EngineProblem, PackFacts, Stats } from "../engine/api.ts";
 

@@ -125,7 +125,7 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
   [
     "fetched",
     "What the host sent since the page was opened",
-    (s) => `${bytes(s.bytesFetched)}, ${s.requests} requests`,
+    (s) => `${bytes(s.bytesFetched)}, ${s.requests} ${s.requests === 1 ? "request" : "requests"}`,
   ],
   [
     "throughput",

@@ -1,4 +1,4 @@
-// What can be asked of an engine, and what does it tell?
+// What can be asked of an engine, and what does it report?
 //
 // The element and the pages know only this file and `engine.ts`. Angles are in degrees where a
 // name says so; places and sizes are in device pixels of the canvas; times are in seconds of the
@@ -41,14 +41,14 @@ export interface EngineOptions {
   readonly demo?: boolean;
   /**
    * Which levels are wanted. Where it is left out: `acuity` with `slope`; with `demo`
-   * `perceptual`, or `acuity` for scenes and for packs that do not tell what their tiles add; else
+   * `perceptual`, or `acuity` for scenes and for packs without signatures; else
    * `viewport`.
    */
   readonly policy?: PolicyName;
   /** The score that levels are chosen for; where it is left out, 9.5 for `acuity`, `perceptual`. */
   readonly target?: Target;
   /**
-   * Of `acuity`, in place of a target: degrees by which the smallest pixel that an eye tells apart
+   * Of `acuity`, in place of a target: degrees by which the smallest pixel that an eye resolves
    * grows with each degree of eccentricity, 0 to 1.
    */
   readonly slope?: number;
@@ -80,8 +80,8 @@ export interface EngineOptions {
 }
 
 /**
- * The policy of a demo with a pack: the first of these that the pack has the tables for. Nothing
- * tells the score of a scene, so `perceptual` would fetch all of it.
+ * The policy of a demo with a pack: the first of these that the pack has the tables for. The
+ * score of a scene is unknown, so `perceptual` would fetch all of it.
  */
 export function demoPolicy({ kind, policies }: Pick<PackFacts, "kind" | "policies">): PolicyName {
   return kind === "video" && policies.includes("perceptual") ? "perceptual" : "acuity";
@@ -265,7 +265,7 @@ export interface EngineProblem {
   readonly fatal: boolean;
 }
 
-/** What an engine tells by itself. */
+/** What an engine reports by itself. */
 export interface EngineEvents {
   /** The pack is understood; the first picture comes. */
   ready: PackFacts;

@@ -21,7 +21,7 @@ const DECODERS = [8, 12] as const;
 /** Policies that choose by what units are worth. */
 const VALUED: readonly PolicyName[] = ["acuity", "uniform", "eccentricity", "perceptual"];
 
-/** What a courier tells. */
+/** What a courier reports. */
 export interface CourierEvents {
   wake(): void;
   tell: Tell;

@@ -30,7 +30,7 @@ const MOST_WAIT = 8000;
 /** Why bytes do not come. */
 export type Failure = "not-found" | "no-ranges" | "network" | "short";
 
-/** What a loader tells. */
+/** What a loader reports. */
 export interface LoaderEvents {
   /** Bytes came. */
   bytes(): void;

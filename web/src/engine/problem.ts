@@ -6,7 +6,7 @@ type Kind = EngineProblem["kind"];
 
 const SENTENCES: Readonly<Record<Kind, string>> = {
   "no-webgpu":
-    "This browser gives no WebGPU, by which pictures are drawn; a current Chrome, Edge, Safari " +
+    "This browser does not support WebGPU, which draws pictures; a current Chrome, Edge, Safari " +
     "or Firefox on a machine with a graphics device does.",
   "no-ranges":
     "This host does not serve parts of files (byte ranges), so nothing can be shown from " +

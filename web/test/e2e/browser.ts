@@ -86,7 +86,7 @@ declare global {
   }
 }
 
-/** Runs in the page: keeps what the element tells. */
+/** Runs in the page: keeps what the element reports. */
 function watchEvents(): void {
   const names =
     "ready picture settled problem changed lost restored play pause ended gazeconnection headset";

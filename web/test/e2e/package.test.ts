@@ -1,4 +1,4 @@
-// Does the npm package tell editors and compilers what the element really is?
+// Does the npm package describe the element to editors and compilers as it is?
 
 import { execFile } from "node:child_process";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";

@@ -203,7 +203,7 @@ test("a button makes the pointer the eye, and back", async () => {
   await on("view.html?pack=flat.foveal&paused", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
-    const demo = page.getByRole("button", { name: "Demo: the pointer is the eye" });
+    const demo = page.getByRole("button", { name: "Demo: your pointer acts as your gaze" });
     expect(await demo.getAttribute("aria-pressed")).toBe("false");
     await demo.click();
     await expect.poll(async () => (await stats(opened)).policy).toBe("perceptual");

@@ -1,4 +1,4 @@
-//! Which figures do the documents tell, and which command makes each?
+//! Which figures do the documents state, and which command makes each?
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

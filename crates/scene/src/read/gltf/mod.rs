@@ -295,7 +295,7 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
         ),
         (
             any(|it| it.alpha_mode.as_deref() == Some("BLEND")),
-            "what is half transparent is drawn opaque",
+            "semi-transparent surfaces are drawn opaque",
         ),
     ] {
         if is_lost {
