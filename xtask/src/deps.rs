@@ -30,7 +30,7 @@ const MOST_BYTES: u64 = 8 << 30;
 const USED: &str = "used";
 /// What the name of a set begins with while it grows.
 const GROWING: &str = "growing-";
-/// How long a set may grow before it is taken for what a stopped run has left.
+/// How long a set may grow before it counts as left behind by a stopped run.
 const GROWS: Duration = Duration::from_secs(3600);
 /// Libraries of the system that build scripts look at.
 const LIBRARIES: [&str; 6] = [

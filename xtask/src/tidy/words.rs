@@ -1,6 +1,7 @@
 //! Does any prose use a word that has a plainer one?
 
 use super::source::lexing::{code, is_word};
+use super::source::typescript::comments_and_texts;
 use super::{Finding, Tree};
 
 /// One entry a line: what is refused, the better word, and the reason, with `; ` between them.
@@ -8,11 +9,11 @@ use super::{Finding, Tree};
 const LIST: &str = "xtask/words.txt";
 /// A line that has this is left as it is.
 const MARKER: &str = "words: ok";
-/// In these, comments and strings are read; in the others that have prose, everything.
-const CODE: [&str; 2] = ["rs", "wgsl"];
-const PROSE: [&str; 11] = [
-    "md", "ts", "css", "json", "html", "toml", "py", "sh", "js", "mjs", "cff",
-];
+/// In these, only comments and strings are read.
+const RUST: [&str; 2] = ["rs", "wgsl"];
+const TYPESCRIPT: [&str; 3] = ["ts", "js", "mjs"];
+/// In these, everything is.
+const PROSE: [&str; 8] = ["md", "css", "json", "html", "toml", "py", "sh", "cff"];
 /// What opens or continues a comment: at the start of a line it is no punctuation.
 const COMMENT_SIGNS: [char; 5] = ['/', '!', '*', '#', '>'];
 
@@ -69,10 +70,11 @@ fn entries<'a>(list: &'a str, findings: &mut Vec<Finding>) -> Vec<Entry<'a>> {
 
 fn refused(path: &str, text: &str, entries: &[Entry<'_>]) -> Vec<Finding> {
     let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending);
-    let is_makefile = path == "Makefile";
-    let prose = if CODE.contains(&ending) {
+    let prose = if RUST.contains(&ending) {
         comments_and_strings(text)
-    } else if PROSE.contains(&ending) || is_makefile {
+    } else if TYPESCRIPT.contains(&ending) {
+        comments_and_texts(text)
+    } else if PROSE.contains(&ending) || path == "Makefile" {
         text.to_owned()
     } else {
         return Vec::new();
@@ -206,6 +208,7 @@ mod tests {
         assert_eq!(found("a.rs", "let a = \"quux\";").len(), 1);
         assert!(found("a.rs", "let a = \"{quux:?}\";").is_empty());
         assert_eq!(found("a.wgsl", "// quux").len(), 1);
+        assert_eq!(found("a.ts", "const quux = `a quux`; // quux").len(), 2);
         assert!(found("a.png", "quux").is_empty());
     }
 

@@ -24,7 +24,7 @@ pub(super) struct Document {
 const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
 /// Whose unit another key gives.
-pub(super) const TOLD: &str = "as told";
+pub(super) const TOLD: &str = "as given";
 const UNITS: [&str; 38] = [
     TOLD,
     "1/degree²",

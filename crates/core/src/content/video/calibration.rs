@@ -62,7 +62,7 @@ pub struct ZoneLosses {
 }
 
 impl ZoneLosses {
-    /// The quality difference that is foretold of the whole picture.
+    /// The predicted quality difference of the whole picture.
     #[must_use]
     pub fn whole(&self) -> f64 {
         pooled(self.sums.iter().sum(), self.pixels.iter().sum())
@@ -330,7 +330,7 @@ impl Curves {
         }
     }
 
-    /// Logarithm of the JOD that a zone loses at a foretold loss; beyond what was found of it, at
+    /// Logarithm of the JOD that a zone loses at a predicted loss; beyond what was found of it, at
     /// least what the whole picture loses there.
     fn lost_at(&self, zone: usize, loss: f64) -> Option<f64> {
         let loss = libm::log(loss.max(f64::MIN_POSITIVE));
