@@ -10,6 +10,7 @@ use foveal_core::content::asked::{Detail, next_target};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::content::video::calibration::density_of;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
@@ -166,6 +167,17 @@ impl PagePlayer {
         refuse_policy(&self.pack, &self.session, &config)?;
         self.session.change_policy(config);
         Ok(())
+    }
+
+    /// The policy that needs fewer pixels for the target of the present one, by the content's
+    /// calibration; `None` until that has been loaded, and where there is none.
+    #[must_use]
+    pub fn cheaper_policy(&self) -> Option<Policy> {
+        let video = self.pack.video()?;
+        let target = self.session.policy().target?;
+        let density = density_of(&video.grid().surface, &self.shown().view);
+        let (rule, _) = video.calibration()?.cheaper(target, Some(density))?;
+        Some(Policy::judged_for(rule))
     }
 
     /// Chooses at another detail.

@@ -439,6 +439,14 @@ impl Show {
         self.player.set_policy(policy).map_err(refused)
     }
 
+    /// The policy that needs fewer pixels of this content for its target, once its calibration has
+    /// been loaded.
+    #[wasm_bindgen(js_name = cheaperPolicy)]
+    pub fn cheaper_policy(&self) -> Option<String> {
+        let policy = self.player.cheaper_policy()?;
+        Some(policy.name().to_owned())
+    }
+
     /// Chooses for a score, in JSON a number or `"none"`; the usual one where nothing is said.
     #[wasm_bindgen(js_name = setTarget)]
     pub fn set_target(&mut self, target: Option<String>) -> Outcome<()> {

@@ -12,6 +12,9 @@ import { Sound } from "./sound.ts";
 import { parts, spokenTime } from "./words.ts";
 import { enterHeadset, hasHeadset } from "./xr.ts";
 
+/** The policies that a content's calibration decides between. */
+const JUDGED: readonly PolicyName[] = ["perceptual", "acuity"];
+
 /** What a viewing is given. */
 export interface Surroundings {
   readonly host: HTMLElement;
@@ -40,8 +43,10 @@ export class Viewing implements Actions {
   private pictured = false;
   private time = 0;
   private policy: PolicyName = "viewport";
-  /** The policy of the demo. */
-  private readonly demo: PolicyName;
+  /** The policy of the demo; the content may decide otherwise once its calibration is there. */
+  private demo: PolicyName;
+  /** The viewer has chosen a policy. */
+  private chosen = false;
   /** Where a skip has led that no figures have reported yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
@@ -220,6 +225,7 @@ export class Viewing implements Actions {
 
   /** What a change of the figures' choices does. */
   setPolicy(name: PolicyName): void {
+    this.chosen = true;
     this.engine.setPolicy(name);
     this.showPolicy(name);
   }
@@ -312,6 +318,8 @@ export class Viewing implements Actions {
     });
     engine.on("stats", (stats) => {
       this.time = stats.time;
+      const isOn = this.policy === this.demo && !this.chosen;
+      if (isOn && JUDGED.includes(stats.policy)) this.demo = stats.policy;
       this.showPolicy(stats.policy);
       this.skipping = null;
       shell.showTime(stats.time, seconds);

@@ -97,6 +97,14 @@ export function firstPolicy(
   return demo ? demoPolicy(pack) : "viewport";
 }
 
+/** Whether the content decides by which policy an engine goes on once its tables are there. */
+export function choosesItself(
+  { policy, demo, slope }: Pick<EngineOptions, "policy" | "demo" | "slope">,
+  { kind }: Pick<PackFacts, "kind">,
+): boolean {
+  return policy === undefined && slope === undefined && demo === true && kind === "video";
+}
+
 /** What is known of a pack once its beginning is there. */
 export interface PackFacts {
   /** Pictures, one or many, or what an eye flies through. */

@@ -3,7 +3,7 @@
 // Bytes come from the loader, planes from the decoders; core and render, as wasm, say which and
 // show them.
 
-import { firstPolicy } from "./api.ts";
+import { choosesItself, demoPolicy, firstPolicy } from "./api.ts";
 import type { EngineProblem, PackFacts, Pixels, PolicyName, Pose, SoundPackets } from "./api.ts";
 import type { EyeRequest, GazeRecord, Stats, Target, Towards, View } from "./api.ts";
 import type { Calls, HostOptions, Tell } from "./calls.ts";
@@ -140,12 +140,22 @@ export class Host implements Calls {
     if (begin.time > 0) this.#show.seek(begin.time, seconds());
     if (options.view) this.look(options.view);
     courier.serve(this.#show);
-    void courier.tablesFor(this.#policy).then(() => this.#wake());
+    void courier.tablesFor(this.#policy).then(() => {
+      if (choosesItself(options, facts)) this.#chooseCheaper(facts);
+      this.#wake();
+    });
     // A device that is lost while nothing moves says nothing by itself.
     this.#watch = setInterval(() => this.#show?.isLost() && this.#wake(), LOOK_MS);
     this.#tell("ready", facts);
     this.#run();
     return facts;
+  }
+
+  /** Takes the policy that needs fewer pixels of this content, unless another was asked for. */
+  #chooseCheaper(facts: PackFacts): void {
+    const cheaper = this.#show?.cheaperPolicy() as PolicyName | undefined;
+    const isAsWas = this.#policy === demoPolicy(facts);
+    if (cheaper !== undefined && cheaper !== this.#policy && isAsWas) this.setPolicy(cheaper);
   }
 
   /** The size that is drawn for a canvas of this size. */

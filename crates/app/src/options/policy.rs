@@ -10,11 +10,10 @@ use foveal_core::content::policy::{
     DEFAULT_TARGET, EdgeRule, ImportanceSource, MASK_SIDE, MaskConfig, Policy, PolicyConfig,
     STEADINESS,
 };
-use foveal_core::content::video::calibration::Calibration;
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::perception::measured::acuity::MeasuredAcuity;
-use foveal_core::units::{Ppd, Radians, counted};
+use foveal_core::units::{Radians, counted};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::panel::rig::Panel;
@@ -229,23 +228,6 @@ impl PolicyOptions {
         self.policy.and_then(PolicyChoice::named)
     }
 
-    /// The same, and the policy that was chosen if none was named: for calibrated content
-    /// the rule that shows fewer pixels at the target in a view of this density.
-    pub(crate) fn for_content(
-        &self,
-        calibration: Option<&Calibration>,
-        density: Ppd,
-    ) -> anyhow::Result<(Self, Option<Policy>)> {
-        let is_open = self.named().is_none() && self.policy() == Policy::Perceptual;
-        let (Some(calibration), true) = (calibration, is_open) else {
-            return Ok((self.clone(), None));
-        };
-        let target = self.target(Policy::Perceptual)?;
-        let cheaper = target.and_then(|target| calibration.cheaper(target, Some(density)));
-        let policy = cheaper.map(|(rule, _)| Policy::judged_for(rule));
-        Ok((self.under(policy.unwrap_or(Policy::Perceptual)), policy))
-    }
-
     /// The same parameters for this policy.
     pub(crate) fn under(&self, policy: Policy) -> Self {
         Self {
@@ -329,7 +311,7 @@ impl PolicyOptions {
     }
 
     /// The score that levels are chosen for under a policy.
-    fn target(&self, policy: Policy) -> anyhow::Result<Option<f64>> {
+    pub(crate) fn target(&self, policy: Policy) -> anyhow::Result<Option<f64>> {
         let other = match (self.slope, &self.acuity) {
             (Some(_), _) => Some("--slope"),
             (None, None | Some(AcuityChoice::Linear)) => None,

@@ -1,8 +1,11 @@
 //! Is the pack that an earlier run prepared still good?
 
 use crate::report::output::{self, Counting};
+use crate::run::calibrate::{CalibrationExtent, calibrate};
 use foveal_media::VideoInput;
+use foveal_media::pack::name_claim::{IfTaken, NameClaim};
 use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::write_calibrated;
 use foveal_media::prepare::{
     PreparationPlan as Plan, PrepareSettings, Progress, Remarks, pack_identity_of, prepare,
 };
@@ -24,6 +27,20 @@ pub(crate) fn kept(source: &Path, pack: &Path, settings: &PrepareSettings) -> Op
     let wanted = pack_identity_of(source, &plan).ok()?;
     let is_it = found.pack().description().identity == Some(wanted);
     is_it.then_some(plan)
+}
+
+/// Calibrates a pack in its own place, where it has no calibration and can have one.
+pub(crate) fn calibrate_in_place(pack: &Path) -> anyhow::Result<()> {
+    if PackFile::open(pack)?.calibration()?.is_some() {
+        return Ok(());
+    }
+    output::say(&format!("{}: is being calibrated", pack.display()));
+    let found = calibrate(pack, CalibrationExtent::Usual, output::jobs(None)?)?;
+    if let Some(found) = found {
+        let claim = NameClaim::of(pack, IfTaken::Replace)?;
+        write_calibrated(pack, claim, &found.calibration)?;
+    }
+    Ok(())
 }
 
 /// Says what a person should know of the preparation of `source`, warnings first.

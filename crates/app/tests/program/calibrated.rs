@@ -63,6 +63,16 @@ fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
         );
         assert_eq!(run["policy_chosen"], figures["target_policy"]);
     }
+    let timed = json(&[
+        "bench",
+        "video",
+        &pack,
+        "--frames",
+        "10",
+        "--renderer",
+        "none",
+    ]);
+    assert_eq!(timed["policy"], figures["target_policy"]);
     let linked = json(&[
         "simulate",
         &pack,
@@ -80,6 +90,27 @@ fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
     assert!(linked["unspent_bytes"].as_u64().unwrap() > 0);
     let replayed = done(&["replay", &format!("{out}/session.jsonl"), "--pack", &pack]);
     assert!(replayed.stdout.contains("identical"), "{}", replayed.stdout);
+}
+
+#[test]
+fn a_sphere_keeps_its_target_at_a_gaze_that_nobody_judged() {
+    let folder = Folder::new();
+    let frames: Vec<_> = (0..2).map(|frame| patches([384, 192], frame)).collect();
+    let clip = write_clip(&folder, "clip.mkv", &frames);
+    let pack = folder.name("sphere.foveal");
+    let prepare = ["prepare", "video", &clip, "--out", &pack];
+    let how = ["--projection", "equirect", "--tile", "32", "--levels", "3"];
+    let calibrated = ["--quality", "12", "--calibrate", "usual", "--no-loss"];
+    done(&[&prepare[..], &how, &calibrated].concat());
+    let out = folder.name("run");
+    for gaze in ["-20,7", "25,-12"] {
+        let gaze = format!("--gaze={gaze}");
+        let play = ["simulate", &pack, &gaze, "--view", "440x440", "--score"];
+        let how = ["--frames", "1", "--pictures", "none", "--renderer", "cpu"];
+        let run = json(&[&play[..], &how, &["--out", &out]].concat());
+        let score = run["score"]["jod"].as_f64().unwrap();
+        assert!((score - 9.5).abs() <= 0.2, "{gaze}: {score}");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::scenes::{noisy_clip, waves, write_clip};
 use crate::support::{
     Folder, assert_refused, command, done, finish, foveal, json, refused, skipped,
 };
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -253,4 +254,55 @@ fn a_pack_is_read_and_played_from_a_file_that_cannot_be_written() {
         &out,
     ]));
     assert_eq!(ran.code, Some(0), "{ran:?}");
+}
+
+#[test]
+fn a_disk_that_fills_while_a_pack_is_calibrated_keeps_the_pack_without() {
+    let (folder, small) = (Folder::new(), Folder::new());
+    let Some(_disk) = SmallDisk::mount(&small, "size=2m") else {
+        return;
+    };
+    let table = 1500;
+    // The last page of the pack must have no room for the table.
+    for frames in 4..12 {
+        let clip = write_clip(&folder, "a.mkv", &noisy_clip([160, 96], frames));
+        let out = small.name(&format!("{frames}.foveal"));
+        let how = ["--tile", "32", "--levels", "2", "--no-loss"];
+        let prepare = [
+            "prepare",
+            "video",
+            &clip,
+            "--out",
+            &out,
+            "--calibrate",
+            "usual",
+        ];
+        let mut run = command(&[&prepare[..], &how].concat());
+        let mut running = run
+            .stderr(Stdio::piped())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(running.stderr.take().unwrap()).lines();
+        let is_calibrating = |line: &String| line.contains("--calibrate off");
+        let begun = lines.by_ref().map(Result::unwrap).find(is_calibrating);
+        assert!(begun.is_some(), "it never began to calibrate");
+        let partial = std::fs::metadata(format!("{out}.partial")).unwrap().len();
+        let mut filler = std::fs::File::create(small.name("filler")).unwrap();
+        while std::io::Write::write_all(&mut filler, &[0; 512]).is_ok() {}
+        let rest: Vec<String> = lines.map(Result::unwrap).collect();
+        assert!(running.wait().unwrap().success(), "{rest:?}");
+        std::fs::remove_file(small.name("filler")).unwrap();
+        done(&["verify", &out]);
+        let about = json(&["info", &out]);
+        if about["calibration"].is_null() {
+            let said = rest.iter().any(|line| line.contains("cannot be written"));
+            assert!(said, "{rest:?}");
+            let whole = folder.name("whole.foveal");
+            done(&["calibrate", &out, "--out", &whole]);
+            return;
+        }
+        assert!(4096 - partial % 4096 > table, "a full disk took the table");
+    }
+    panic!("every pack had room for its table in its last page");
 }

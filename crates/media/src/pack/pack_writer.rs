@@ -40,6 +40,20 @@ pub(crate) struct Inspected {
     pub(crate) calibration: Option<Calibration>,
 }
 
+/// A pack as it is described, and with what is added to its end; both tails begin alike.
+pub(crate) struct Looked {
+    pub(crate) parts: PackHead,
+    pub(crate) more: Option<PackHead>,
+}
+
+/// A pack that has its final name.
+#[derive(Debug)]
+pub(crate) struct Ended {
+    pub(crate) bytes: u64,
+    /// Why what was to be added to its end is missing.
+    pub(crate) left_out: Option<Error>,
+}
+
 /// A writer, what was good of a pack that was begun before, and what a person should know of it.
 pub(crate) struct Begun {
     pub(crate) writer: PackWriter,
@@ -175,13 +189,13 @@ impl PackWriter {
     }
 
     /// Writes the rest, makes it durable, reads it back and gives it its final name. Before that,
-    /// the whole pack is shown to the measure of what was lost. Returns its description and bytes.
+    /// `inspect` sees the whole pack.
     pub(crate) fn finish(
         self,
         description: Description,
         tables: &[SideTable],
         inspect: &mut dyn FnMut(&Path) -> Inspected,
-    ) -> Result<(Description, u64), PackFileError> {
+    ) -> Result<(Description, Ended), PackFileError> {
         let mut loss = None;
         let finish = |builder| finish_pack(builder, description.clone(), tables);
         let look = |mut parts, partial: &Path| {
@@ -190,29 +204,28 @@ impl PackWriter {
             if let Some(loss) = loss {
                 parts = with_loss(parts, loss)?;
             }
-            match found.calibration {
-                Some(calibration) => with_calibration(parts, &calibration),
-                None => Ok(parts),
-            }
+            let add = |calibration| with_calibration(parts.clone(), &calibration);
+            let more = found.calibration.map(add).transpose()?;
+            Ok(Looked { parts, more })
         };
         let check = |partial: &Path| Ok(PackFile::open(partial)?.verify(|_, _| ()));
-        let bytes = self.end(finish, look, check)?;
+        let ended = self.end(finish, look, check)?;
         let description = Description {
             loss,
             ..description
         };
-        Ok((description, bytes))
+        Ok((description, ended))
     }
 
     /// Writes what `finish` makes of all chunks, makes it durable and gives it its final name.
     /// Before that `look` sees the whole pack, may describe it otherwise and add to its end, and
-    /// `check` reads it back and reports what is damaged. Returns its bytes.
+    /// `check` reads it back and reports what is damaged.
     pub(crate) fn end(
         mut self,
         finish: impl FnOnce(PackBuilder) -> Result<PackHead, PackError>,
-        look: impl FnOnce(PackHead, &Path) -> Result<PackHead, PackError>,
+        look: impl FnOnce(PackHead, &Path) -> Result<Looked, PackError>,
         check: impl FnOnce(&Path) -> Result<Damage, PackFileError>,
-    ) -> Result<u64, PackFileError> {
+    ) -> Result<Ended, PackFileError> {
         let chunk_bytes = self.builder.end();
         let builder = std::mem::replace(&mut self.builder, PackBuilder::new(&[]));
         let format = |path: &Path| {
@@ -223,15 +236,10 @@ impl PackWriter {
         let whole = self.file.write_all(&parts.tail);
         let whole = whole.and_then(|()| self.write_head(&parts.head));
         whole.map_err(|source| self.refused(source))?;
-        let written = parts.tail.len();
-        let parts = look(parts, self.claim.partial()).map_err(format(self.claim.path()))?;
-        let on_disk = self
-            .file
-            .seek(SeekFrom::Start(chunk_bytes + written as u64));
-        let on_disk = on_disk.and_then(|_| self.file.write_all(&parts.tail[written..]));
-        let on_disk = on_disk.and_then(|()| self.write_head(&parts.head));
-        let on_disk = on_disk.and_then(|()| self.file.get_ref().sync_all());
-        on_disk.map_err(|source| self.refused(source))?;
+        let looked = look(parts, self.claim.partial()).map_err(format(self.claim.path()))?;
+        let bytes = chunk_bytes + looked.parts.tail.len() as u64;
+        let on_disk = self.write_end(bytes, &looked);
+        let ended = on_disk.map_err(|source| self.refused(source))?;
         let damage = check(self.claim.partial()).map_err(|error| self.unreadable(&error))?;
         if let Some(first) = damage.first().first() {
             return Err(self.unreadable(first));
@@ -242,7 +250,40 @@ impl PackWriter {
         if let Some(journal) = &mut self.journal {
             journal.remove();
         }
-        Ok(chunk_bytes + parts.tail.len() as u64)
+        Ok(ended)
+    }
+
+    /// Writes the description of a pack of so many bytes, and what is added behind it; where there
+    /// is no room for that, the pack stays without.
+    fn write_end(&mut self, bytes: u64, looked: &Looked) -> Result<Ended, Error> {
+        self.write_head(&looked.parts.head)?;
+        let mut ended = Ended {
+            bytes,
+            left_out: None,
+        };
+        if let Some(more) = &looked.more {
+            let added = &more.tail[looked.parts.tail.len()..];
+            match self.add(bytes, added, &more.head) {
+                Ok(()) => ended.bytes += added.len() as u64,
+                Err(why) => {
+                    self.file.get_mut().set_len(bytes)?;
+                    self.write_head(&looked.parts.head)?;
+                    ended.left_out = Some(why);
+                }
+            }
+        }
+        self.file.get_ref().sync_all()?;
+        Ok(ended)
+    }
+
+    /// Adds bytes behind a whole pack, and a description that names them once they are on disk.
+    fn add(&mut self, at: u64, bytes: &[u8], head: &[u8]) -> Result<(), Error> {
+        // Without a buffer, which would keep what the disk refuses and try it again.
+        let file = self.file.get_mut();
+        file.seek(SeekFrom::Start(at))?;
+        file.write_all(bytes)?;
+        file.sync_data()?;
+        self.write_head(head)
     }
 
     /// What was written is not what can be read.

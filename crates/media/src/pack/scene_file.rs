@@ -3,7 +3,7 @@
 use crate::pack::damage::Damage;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::open_pack::{OpenPack, PackFileError};
-use crate::pack::pack_writer::PackWriter;
+use crate::pack::pack_writer::{Looked, PackWriter};
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
@@ -44,7 +44,8 @@ pub fn write_scene(
     }
     let finish = |builder| finish_scene(builder, description, &rows);
     let check = |partial: &Path| Ok(SceneFile::open(partial)?.verify(|_, _| ()));
-    writer.end(finish, |parts, _| Ok(parts), check)
+    let look = |parts, _: &Path| Ok(Looked { parts, more: None });
+    Ok(writer.end(finish, look, check)?.bytes)
 }
 
 /// An open scene pack: description, index and table of units in memory, chunks read when they are

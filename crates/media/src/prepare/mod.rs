@@ -262,11 +262,18 @@ fn write_pack(
         loss: witness.loss_of(pack),
         calibration: witness.calibration_of(pack),
     };
-    let (description, bytes) = writer.finish(description, &tables, &mut inspect)?;
+    let (description, ended) = writer.finish(description, &tables, &mut inspect)?;
+    let mut warnings = found.warnings;
+    warnings.extend(ended.left_out.map(|why| {
+        format!(
+            "the pack is whole, but its calibration cannot be written ({why}); free some space, \
+             then add it with foveal calibrate"
+        )
+    }));
     Ok(Prepared {
         description,
-        bytes,
-        warnings: found.warnings,
+        bytes: ended.bytes,
+        warnings,
     })
 }
 

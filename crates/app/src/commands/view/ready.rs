@@ -36,7 +36,7 @@ impl Ready {
         let panels = rig.map(|rig| rig.panels);
         let pack = open_pack(args)?;
         let args = &ViewArgs {
-            policy: policy_of(args, &pack),
+            policy: policy_of(args, &pack)?,
             ..args.clone()
         };
         if let Some(log) = &args.log {

@@ -10,7 +10,8 @@ use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer};
 use crate::run::open_player::open_player;
 use eye::JumpingEye;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::units::Radians;
+use foveal_core::content::video::calibration::density_of;
+use foveal_core::units::{Ppd, Radians};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
@@ -86,6 +87,12 @@ impl Conditions<'_> {
             decoding: self.decoding,
         };
         open_player(Arc::clone(&self.file), options)
+    }
+
+    /// The density that the pack's calibration is looked up at.
+    pub(crate) fn density(&self) -> Ppd {
+        let surface = self.file.pack().description().grid(self.screen).surface;
+        density_of(&surface, &display(&surface))
     }
 
     /// The picture that is drawn, which may be smaller than what levels are chosen for.

@@ -3,9 +3,10 @@
 //! Some of its decoders and readers of containers go on after damage, mark nothing, and only write
 //! a line.
 
+use std::collections::BTreeMap;
 use std::ffi::{CStr, c_char, c_int, c_void};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 
 use av::ffi;
 use ffmpeg_next as av;
@@ -59,19 +60,35 @@ struct Listener {
     said: AtomicU64,
 }
 
-/// Counts what is reported, from any thread.
+/// The listeners of all logs that live, by their addresses: a context of FFmpeg holds the address
+/// in a field that other users of FFmpeg set to what they like.
+static LISTENERS: RwLock<BTreeMap<usize, Arc<Listener>>> = RwLock::new(BTreeMap::new());
+
+/// Counts the lines of one decoder or reader that report damage, from any thread.
 pub(crate) struct DamageLog {
     listener: Arc<Listener>,
     heard: u64,
 }
 
+impl Drop for DamageLog {
+    fn drop(&mut self) {
+        let place = self.place() as usize;
+        let mut all = LISTENERS.write().unwrap_or_else(PoisonError::into_inner);
+        all.remove(&place);
+    }
+}
+
 impl DamageLog {
     fn of(lines: Lines) -> Self {
         let said = AtomicU64::new(0);
-        Self {
+        let log = Self {
             listener: Arc::new(Listener { lines, said }),
             heard: 0,
-        }
+        };
+        let mut all = LISTENERS.write().unwrap_or_else(PoisonError::into_inner);
+        all.insert(log.place() as usize, Arc::clone(&log.listener));
+        drop(all);
+        log
     }
 
     /// Of a decoder that shows pictures.
@@ -132,28 +149,61 @@ unsafe extern "C" fn hear(who: *mut c_void, level: c_int, line: *const c_char, _
         return;
     }
     // SAFETY: who speaks begins with a pointer to its class; where that is a decoder's or a
-    // container's, it is one, whose `opaque` is null or was set above, to what lives longer; the
-    // line ends in NUL.
-    unsafe {
+    // container's, it is one; the line ends in NUL. `opaque` is looked up, and never followed.
+    let (opaque, line) = unsafe {
         let class = *who.cast::<*const ffi::AVClass>();
-        let listener = if class == ffi::avcodec_get_class() {
+        let opaque = if class == ffi::avcodec_get_class() {
             (*who.cast::<ffi::AVCodecContext>()).opaque
         } else if class == ffi::avformat_get_class() {
             (*who.cast::<ffi::AVFormatContext>()).opaque
         } else {
             return;
         };
-        let line = CStr::from_ptr(line).to_bytes();
-        let Some(listener) = listener.cast::<Listener>().as_ref() else {
-            return;
-        };
-        let begins = |lines: &[&str]| lines.iter().any(|it| line.starts_with(it.as_bytes()));
-        let is_damage = match listener.lines {
-            Lines::Of(lines) => begins(lines),
-            Lines::But(lines) => level <= ffi::AV_LOG_ERROR && !begins(lines),
-        };
-        listener
-            .said
-            .fetch_add(u64::from(is_damage), Ordering::AcqRel);
+        (opaque, CStr::from_ptr(line).to_bytes())
+    };
+    let all = LISTENERS.read().unwrap_or_else(PoisonError::into_inner);
+    let Some(listener) = all.get(&(opaque as usize)) else {
+        return;
+    };
+    let begins = |lines: &[&str]| lines.iter().any(|it| line.starts_with(it.as_bytes()));
+    let is_damage = match listener.lines {
+        Lines::Of(lines) => begins(lines),
+        Lines::But(lines) => level <= ffi::AV_LOG_ERROR && !begins(lines),
+    };
+    let said = u64::from(is_damage);
+    listener.said.fetch_add(said, Ordering::AcqRel);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn say(context: &mut av::codec::Context, line: &CStr) {
+        // SAFETY: the context is alive and begins with its class; the line ends in NUL.
+        #[allow(unsafe_code)]
+        unsafe {
+            let who = context.as_mut_ptr().cast();
+            hear(who, ffi::AV_LOG_ERROR, line.as_ptr(), std::ptr::null_mut());
+        }
+    }
+
+    #[test]
+    fn a_context_whose_field_holds_something_else_is_not_listened_to() {
+        let mut log = DamageLog::of_decoder();
+        let mut context = av::codec::Context::new();
+        log.listen_to_decoder(&mut context);
+        say(&mut context, c"LZW decode failed");
+        assert!(log.has_heard());
+        // As a decoder of the graphics card keeps its pixel format there.
+        #[allow(unsafe_code)]
+        // SAFETY: the context is alive, and nothing follows the pointer.
+        unsafe {
+            (*context.as_mut_ptr()).opaque = 0xa5 as *mut c_void;
+        }
+        say(&mut context, c"LZW decode failed");
+        assert!(!log.has_heard());
+        log.listen_to_decoder(&mut context);
+        drop(log);
+        say(&mut context, c"LZW decode failed");
     }
 }

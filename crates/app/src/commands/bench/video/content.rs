@@ -6,7 +6,7 @@
 use crate::options::policy::CutOptions;
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting};
-use crate::run::kept_pack::{kept, plan_of, write_pack};
+use crate::run::kept_pack::{calibrate_in_place, kept, plan_of, write_pack};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
@@ -59,8 +59,8 @@ pub(super) struct PackAndOriginal {
 }
 
 impl Generated {
-    /// The clip and its pack under `cache`, made where they are not there: by default settings, or
-    /// cut and coded as `system` did.
+    /// The clip and its pack under `cache`, made where they are not there: by default settings and
+    /// calibrated, or cut and coded as `system` did.
     pub(super) fn prepare(
         self,
         cache: &Path,
@@ -81,6 +81,9 @@ impl Generated {
         if kept(&original, &pack, &settings).is_none() {
             let plan = plan_of(&original, &settings)?;
             write_pack(&original, &pack, &plan, Some(u64::from(FRAMES)))?;
+        }
+        if system.is_none() {
+            calibrate_in_place(&pack)?;
         }
         let original = Some(original);
         Ok(PackAndOriginal { pack, original })

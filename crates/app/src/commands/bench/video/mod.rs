@@ -12,7 +12,7 @@ mod report;
 
 use crate::options::decoding::DecodingOptions;
 use crate::options::policy::{TargetChoice, parse_target};
-use crate::options::policy_choice::policy_parser;
+use crate::options::policy_choice::{PolicyChoice, policy_choice_parser};
 use crate::options::preset::SystemPreset;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -46,9 +46,9 @@ pub(crate) struct VideoArgs {
     /// Where drawn clips are kept (default: the user's folder for caches).
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
-    /// How the foveated frames are chosen.
-    #[arg(long, value_parser = policy_parser(), default_value = "acuity")]
-    policy: Policy,
+    /// How the foveated frames are chosen; auto is acuity where the pack has no calibration.
+    #[arg(long, value_parser = policy_choice_parser(), default_value = "auto")]
+    policy: PolicyChoice,
     /// The score in JOD that they are chosen for, 1 to 9.99, or none (default: 9.5; with --preset
     /// what its rule reaches).
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
@@ -84,10 +84,12 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
     if !(10..=100_000).contains(&args.frames) {
         bail!(out_of_range("--frames", args.frames, "10 to 100000"));
     }
-    let config = args.config()?;
+    // Says what is wrong with the options before anything long begins.
+    args.config(args.policy.named().unwrap_or(Policy::Acuity))?;
     let drawing = open_device(args.renderer)?;
     let content = args.content(None)?;
     let conditions = args.conditions(&content.pack, &drawing)?;
+    let config = args.config(args.policy_for(&conditions)?)?;
     let published = match args.preset {
         Some(system) => Some(args.published(system, &conditions)?),
         None => None,
@@ -108,9 +110,23 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
 }
 
 impl VideoArgs {
+    /// The policy of the foveated frames: of a calibrated pack the one that needs fewer pixels.
+    fn policy_for(&self, conditions: &Conditions<'_>) -> anyhow::Result<Policy> {
+        let target = match self.target {
+            Some(TargetChoice::Jod(jod)) => Some(jod),
+            Some(TargetChoice::None) => None,
+            None => self.slope.is_none().then_some(DEFAULT_TARGET),
+        };
+        let (None, Some(target)) = (self.policy.named(), target) else {
+            return Ok(self.policy.named().unwrap_or(Policy::Acuity));
+        };
+        let calibration = conditions.file.calibration()?;
+        let cheaper = calibration.and_then(|it| it.cheaper(target, Some(conditions.density())));
+        Ok(cheaper.map_or(Policy::Acuity, |(rule, _)| Policy::judged_for(rule)))
+    }
+
     /// How the foveated frames are chosen.
-    fn config(&self) -> anyhow::Result<PolicyConfig> {
-        let policy = self.policy;
+    fn config(&self, policy: Policy) -> anyhow::Result<PolicyConfig> {
         if self.slope.is_some() && policy != Policy::Acuity {
             bail!(WrongUsage(
                 "--slope is for --policy acuity; leave one of them out".to_owned()

@@ -66,15 +66,18 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
 }
 
 /// The policy that was asked for, or the usual one of this kind.
-pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> PolicyOptions {
+pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<PolicyOptions> {
     let usual = match (args.demo, pack) {
+        (true, LivePack::Video(file, _)) => match args.link {
+            None => return args.policy.for_pack(file, &args.view),
+            Some(_) => Policy::Perceptual,
+        },
         (false, _) => Policy::Viewport,
-        (true, LivePack::Video(..)) => Policy::Perceptual,
         // The score of a scene is unknown, so a policy that buys by worth would buy all of it.
         (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
         (true, LivePack::Scene(_)) => Policy::Eccentricity,
     };
-    args.policy.under(args.policy.named().unwrap_or(usual))
+    Ok(args.policy.under(args.policy.named().unwrap_or(usual)))
 }
 
 /// Says what is wrong with the options for this kind, before a window is there.

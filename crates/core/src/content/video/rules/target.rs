@@ -48,8 +48,14 @@ const SLOPES: u32 = 8;
 const LEAST_JUDGED_SLOPE: f64 = 0.0015;
 const JUDGED_SLOPE_STEPS: f64 = 4.0;
 const JUDGED_SLOPES: u32 = 33;
+/// So far may the expected score lie below the target, in JOD, where a judge saw the content: tiles
+/// may be so large that the next finer choice lies far above.
+const BELOW_TARGET_JOD: f64 = 0.1;
 /// Bounds that are tried: this many steps below and above the loss of the target.
 const BOUNDS: u32 = 40;
+/// The same where a judge saw the content: tiles of even texture pass a bound almost together.
+const JUDGED_BOUND_STEPS: f64 = 16.0;
+const JUDGED_BOUNDS: u32 = 160;
 
 /// Chooses levels for a score, frame after frame.
 #[derive(Clone, Debug)]
@@ -213,7 +219,7 @@ impl TargetSelector {
             true => JUDGED_SLOPES,
             false => SLOPES,
         };
-        self.largest(slopes, |step| {
+        self.nearest((slopes, scale.is_measured(Expectation::Elsewise)), |step| {
             exact.set_acuity(self.slope_at(scale, step));
             let mut levels = exact.levels_of(&occasion, known, |_| true);
             let _ = levels.cover(&self.grid);
@@ -233,11 +239,16 @@ impl TargetSelector {
     /// Every cell takes the coarsest level whose loss stays within a bound; where a judge saw the
     /// content, within so many times the bound that it found for the cell's zone.
     fn by_bound(&self, losses: &Losses, scale: &Scale) -> (u32, LevelMap) {
-        let bound = |step| match scale.is_measured(Expectation::ByLoss) {
-            true => times_of(step),
+        let is_measured = scale.is_measured(Expectation::ByLoss);
+        let bound = |step| match is_measured {
+            true => libm::exp2((f64::from(step) - f64::from(JUDGED_BOUNDS)) / JUDGED_BOUND_STEPS),
             false => bound_of(self.target, step),
         };
-        let step = self.largest(2 * BOUNDS, |step| {
+        let bounds = match is_measured {
+            true => JUDGED_BOUNDS,
+            false => BOUNDS,
+        };
+        let step = self.nearest((2 * bounds, is_measured), |step| {
             let mut levels = self.bounded(losses, bound(step), None);
             let _ = levels.cover(&self.grid);
             let expected = scale.expected(Expectation::ByLoss, &losses.of(&levels));
@@ -276,26 +287,40 @@ impl TargetSelector {
         })
     }
 
-    /// The largest of `count` steps at which the score is expected to be kept; that of before as
-    /// long as it is good enough.
-    fn largest(&self, count: u32, mut expected: impl FnMut(u32) -> f64) -> u32 {
+    /// The largest of `count` steps at which the score is expected to be kept, or where
+    /// expectations are measured the next one if its score is nearer to the target; that of before
+    /// as long as it is good enough.
+    fn nearest(
+        &self,
+        (count, is_measured): (u32, bool),
+        mut expected: impl FnMut(u32) -> f64,
+    ) -> u32 {
+        let least = match is_measured {
+            true => self.target - BELOW_TARGET_JOD,
+            false => self.target,
+        };
         if let Some(before) = &self.before {
             let still = expected(before.step);
             let most = BEST_JOD - LEAST_LOST * (BEST_JOD - self.target);
-            if (self.target..=most).contains(&still) {
+            if (least..=most).contains(&still) {
                 return before.step;
             }
         }
         let (mut enough, mut too_far) = (0, count);
+        let (mut kept, mut missed) = (f64::INFINITY, f64::NEG_INFINITY);
         while too_far - enough > 1 {
             let middle = enough.midpoint(too_far);
-            if expected(middle) >= self.target {
-                enough = middle;
+            let score = expected(middle);
+            if score >= self.target {
+                (enough, kept) = (middle, score);
             } else {
-                too_far = middle;
+                (too_far, missed) = (middle, score);
             }
         }
-        enough
+        match missed >= least && self.target - missed < kept - self.target {
+            true => too_far,
+            false => enough,
+        }
     }
 }
 
@@ -314,12 +339,8 @@ fn slope_of(target: f64, step: u32) -> AcuityModel {
 }
 
 fn bound_of(target: f64, step: u32) -> f64 {
-    Expectation::ByLoss.told(target) * times_of(step)
-}
-
-fn times_of(step: u32) -> f64 {
     let steps = f64::from(step) - f64::from(BOUNDS);
-    libm::exp2(steps / BOUND_STEPS)
+    Expectation::ByLoss.told(target) * libm::exp2(steps / BOUND_STEPS)
 }
 
 #[cfg(test)]

@@ -1,12 +1,14 @@
 //! Do levels keep the score that they are chosen for, no finer than that and no less steady?
 
 use super::*;
+use crate::content::video::calibration::{Calibration, CalibrationRow};
 use crate::content::video::grid::tile_grid::{Cut, Tile};
 use crate::content::video::rules::Rules;
 use crate::gaze::sample::GazeSample;
 use crate::perception::measures::contrast::{BandContrast, Signature};
 use crate::perception::measures::cues::Cues;
 use crate::perception::parameters::EyeState;
+use crate::perception::visible_loss::jod_lost;
 use crate::units::Seconds;
 use crate::view::axes::Axes;
 use crate::view::eye_view::{EyeView, Field};
@@ -412,4 +414,75 @@ fn what_a_turned_head_shows_is_within_half_a_jod_of_the_target() {
             assert!(jod >= least, "{policy:?} {yaw}: {jod}");
         }
     }
+}
+
+/// Content that a judge saw.
+#[derive(Debug)]
+struct Judged(Texture<fn(u8, u32) -> f64>, Scale);
+
+impl VideoUnits for Judged {
+    fn has_signatures(&self) -> bool {
+        true
+    }
+
+    fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+        self.0.unit(tile, frame)
+    }
+
+    fn next_group(&self, frame: u32) -> Option<u32> {
+        self.0.next_group(frame)
+    }
+
+    fn bytes(&self, unit: UnitId) -> u32 {
+        self.0.bytes(unit)
+    }
+
+    fn signature(&self, unit: UnitId) -> Option<Signature> {
+        self.0.signature(unit)
+    }
+
+    fn cues(&self, _: UnitId) -> Option<Cues> {
+        None
+    }
+
+    fn scale(&self, _: Option<&EyeView>) -> Scale {
+        self.1.clone()
+    }
+}
+
+/// What a judge finds who sees as much lost as signatures predict, at any density.
+fn as_foretold() -> Scale {
+    let row = |bound: f64| CalibrationRow {
+        rule: Expectation::ByLoss,
+        ppd: 20.0,
+        zone: None,
+        bound,
+        loss: bound / 2.0,
+        jod_mean: BEST_JOD - jod_lost(bound / 2.0),
+        jod_sd: 0.0,
+        pixels_share: 0.5 / bound,
+        bytes: 1,
+    };
+    let rows = [1.0, 20.0, 100.0, 500.0, 2000.0, 8000.0].map(row);
+    let calibration = Calibration::new(1, 1, rows.to_vec()).unwrap();
+    calibration.at(None)
+}
+
+#[test]
+fn of_a_few_large_tiles_the_choice_nearest_to_the_target_is_taken_where_a_judge_saw_them() {
+    let surface = Surface::flat([640, 360], Screen::default());
+    let grid = TileGrid::new(surface, Cut::Tile(128), 3, 2).unwrap();
+    let content = Judged(Texture(busy), as_foretold());
+    let meter = LossMeter::new(&grid, &PolicyConfig::new(Policy::Perceptual).perception);
+    let losses = meter.losses(&grid, &content, 0, &glance(&grid, 0.0));
+    let mut below = 0;
+    for hundredths in 800..995 {
+        let target = f64::from(hundredths) / 100.0;
+        let levels = chosen(grid, &config(Policy::Perceptual, target), &content);
+        let expected = content.1.expected(Expectation::ByLoss, &losses.of(&levels));
+        let jod = expected.for_target();
+        assert!(jod >= target - BELOW_TARGET_JOD, "{target}: {jod}");
+        below += u32::from(jod < target);
+    }
+    assert!((1..195).contains(&below), "{below} of 195 below the target");
 }
