@@ -6,7 +6,7 @@ import { defineConfig } from "vitest/config";
 const pages = ["index.html", "view.html", "404.html"].filter((page) => existsSync(page));
 
 export default defineConfig({
-  // Everything is found beside the page, wherever the folder lies.
+  // Everything is found next to the page, wherever the folder lies.
   base: "./",
   build: {
     target: "es2022",

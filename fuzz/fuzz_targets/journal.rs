@@ -1,4 +1,4 @@
-//! Does any file beside an unfinished pack panic, or read as what it does not say?
+//! Does any journal next to an unfinished pack panic, or read as what it does not say?
 
 #![no_main]
 

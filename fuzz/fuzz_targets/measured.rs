@@ -1,4 +1,4 @@
-//! Does any text, taken for a table of a measured eye, make one that sees what no eye can?
+//! Does any text, read as a table of a measured eye, make one that sees what no eye can?
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

@@ -1,4 +1,4 @@
-//! Does any sequence of bytes, read as a unit of points, panic or give points beside its cube?
+//! Does any sequence of bytes, read as a unit of points, panic or give points outside its cube?
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Does any text, taken for the table of a tracker, make a trace that is none?
+//! Does any text, read as the table of a tracker, make an invalid trace?
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

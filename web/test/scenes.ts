@@ -66,7 +66,7 @@ export function pictures([width, height]: readonly [number, number]): Planes[] {
 /** How far grain goes from what is round it, in code values. */
 const GRAIN = 16;
 
-/** A tone for as long as the pictures last, that begins anew with every fifth frame. */
+/** A tone for as long as the pictures last, that starts over with every fifth frame. */
 export function sound(): Float32Array {
   const rate = 48_000;
   const length = (FRAMES / FRAMES_PER_SECOND) * rate;

@@ -2,8 +2,8 @@
 //!
 //! They lie under `${XDG_CACHE_HOME:-~/.cache}/foveal/deps`, laid out as cargo lays out a target
 //! folder. What was compiled in one clone fits together, what was compiled in two may not: so a set
-//! comes from one clone whole and never changes, and a clone takes of it what is for profiles for
-//! which it has compiled nothing yet. What is missing of a set costs time and nothing else, as
+//! comes from one clone whole and never changes, and a clone takes from it what is for profiles
+//! for which it has compiled nothing yet. What is missing of a set costs time and nothing else, as
 //! cargo looks at everything itself. Our own crates never go there. `FOVEAL_DEPS_CACHE=off` turns
 //! it off.
 
@@ -30,7 +30,7 @@ const MOST_BYTES: u64 = 8 << 30;
 const USED: &str = "used";
 /// What the name of a set begins with while it grows.
 const GROWING: &str = "growing-";
-/// How long a set may grow before it is taken for what a stopped run has left.
+/// How long a set may grow before it counts as left behind by a stopped run.
 const GROWS: Duration = Duration::from_secs(3600);
 /// Libraries of the system that build scripts look at.
 const LIBRARIES: [&str; 6] = [

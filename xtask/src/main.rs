@@ -21,7 +21,7 @@ cargo xtask COMMAND
   tidy known      what broke them before they were checked, and is listed until it is mended
   wasm            core and render for the browser; the same selection natively and in wasm
   web             the page: wasm, scripts and pages in web/dist, with their size
-  web-test        the tests of the page; its pictures beside those of the program
+  web-test        the tests of the page; its pictures against those of the program
   web-bench       the page's memory over ten minutes, and a 16K panorama over a link
   ci              every check: what CI runs
   measured [NAME] repeat the figures of docs/measured.toml (of runs whose name contains NAME) and

@@ -17,7 +17,7 @@ pub(crate) fn repository_root() -> PathBuf {
         .map_or(PathBuf::from("."), Path::to_path_buf)
 }
 
-/// Cargo in the repository root, as a user's shell would start it: without what `cargo run` tells
+/// Cargo in the repository root, as a user's shell would start it: without what `cargo run` adds
 /// xtask about itself, which would make build scripts run again.
 pub(crate) fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));

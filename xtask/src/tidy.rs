@@ -15,10 +15,12 @@ mod papers;
 mod purity;
 mod reading;
 mod rooms;
+mod sentences;
 mod sizes;
 mod source;
 mod tables;
 mod tree;
+mod words;
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -60,6 +62,7 @@ pub(crate) fn run() -> Outcome {
     let tree = Tree::of(&repository_root())?;
     let mut findings = crates::check(&workspace_metadata()?, &tree);
     findings.extend(check_files(&tree));
+    findings.extend(words::check(&tree));
     let stale = measured::stale_tables().into_iter();
     findings.extend(stale.map(|(file, message)| Finding::new(&file, 1, message)));
     let (faults, breaches) = breaches(&tree);
@@ -135,6 +138,7 @@ fn check_files(tree: &Tree) -> Vec<Finding> {
         findings.extend(purity::check(path, text));
         findings.extend(reading::check(path, text));
         findings.extend(documents::check(path, text, tree));
+        findings.extend(sentences::check(path, text));
         findings.extend(papers::check(path, text, tree));
         findings.extend(citation::check(path, text, tree));
     }

@@ -9,11 +9,11 @@ use std::process::Command;
 
 use crate::steps::{self, Outcome, output_of, repository_root};
 
-/// Written last: whoever finds it finds a whole folder.
+/// Written last: where it exists, the folder is whole.
 const STAMP: &str = ".built";
 /// Most bytes of scripts, styles and wasm together, compressed by brotli.
 const MOST_BYTES: u64 = 1 << 20;
-/// What the package tells of its types, which are made beside the page.
+/// How the package names its types, which are made next to the page.
 const TYPES: &str = "types/foveal-view.d.ts";
 /// What every browser with WebGPU runs; more features make some refuse the module.
 const WASM_OPT: [&str; 8] = [

@@ -130,7 +130,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What is given as `-3` is a number that may be out of range, not an option nobody knows.
+/// What is given as `-3` is a number that may be out of range, not an unknown option.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let takes_values = |arg: &clap::Arg| arg.get_action().takes_values();
     command
@@ -143,7 +143,7 @@ fn with_negative_numbers(command: clap::Command) -> clap::Command {
 
 /// Frames and encoders come and go by the hundred megabytes, every few seconds; memory that was
 /// given back to the system between them took up to a third of the time of `prepare` to be
-/// cleared anew. So it is given back after a while.
+/// cleared again. So it is given back after a while.
 #[cfg(target_os = "linux")]
 fn keep_freed_memory() {
     /// `mi_option_purge_delay` of mimalloc.h, in milliseconds.
@@ -170,7 +170,7 @@ fn settle_environment() {
     for (name, value) in missing {
         #[allow(
             unsafe_code,
-            reason = "changing the environment is unsafe beside other threads"
+            reason = "changing the environment is unsafe while other threads run"
         )]
         // SAFETY: the first statement of main; no other thread has begun.
         unsafe {

@@ -1,6 +1,6 @@
 //! Does core keep its promises when its parts work together?
 //!
-//! One program for all of them: each would link the whole crate anew.
+//! One program for all of them: each would link the whole crate again.
 
 // A test that cannot go on panics; one says what it measured.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]

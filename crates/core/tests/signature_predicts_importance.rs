@@ -83,7 +83,7 @@ fn checkers() -> Picture {
     })
 }
 
-/// Lines of strokes like letters, on paper that gets greyer, beside an empty margin.
+/// Lines of strokes like letters, on paper that gets greyer, next to an empty margin.
 fn text() -> Picture {
     let letters = lattice(31, 2);
     picture(|x, y| {
@@ -274,7 +274,7 @@ fn tiles_rank_by_their_signatures_as_by_their_pixels() {
         ("text", text()),
         ("smooth", smooth()),
     ];
-    // As printed, a step is worth something without any detail, and popping takes of that: a small
+    // As printed, a step is worth something without any detail, and popping reduces that: a small
     // difference of large numbers, which signatures know less well.
     for (model, least) in [(Model::Default, 0.9), (Model::Paper, 0.85)] {
         let parameters = Parameters::of(model);

@@ -1,4 +1,4 @@
-//! Does a tracker expect the same gaze, and find the same saccades, however often it is told?
+//! Does a tracker expect the same gaze, and find the same saccades, at any sampling rate?
 
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::main_sequence::{saccade_duration, saccade_way};

@@ -189,7 +189,7 @@ impl FftImportance {
         self.size.map(|side| side.div_ceil(BLOCK))
     }
 
-    /// Looks somewhere, and weighs as told. Sensitivities come from the exact formula: slow.
+    /// Looks somewhere, and weighs as given. Sensitivities come from the exact formula: slow.
     pub fn look(&mut self, onlooker: &Onlooker, weights: &Weights) {
         let [columns, rows] = self.blocks();
         let place = |block: usize| {

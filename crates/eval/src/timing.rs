@@ -27,7 +27,7 @@ pub enum Clock {
     ThreadCpu,
     /// The GPU's own time stamps.
     Gpu,
-    /// Time that passes, where the system does not tell the other.
+    /// Time that passes, where the system does not report the other.
     Wall,
 }
 

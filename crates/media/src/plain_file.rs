@@ -1,4 +1,4 @@
-//! How is a file read that somebody named, whatever lies or comes there, and how given its name?
+//! How is a named file read, whatever is or comes there, and how is it given its name?
 //!
 //! All that the program reads of a name that it was given is opened here, or by scene's reader of
 //! meshes: `cargo xtask tidy` refuses other openings.
@@ -7,8 +7,8 @@ use std::fs::{File, Metadata, OpenOptions};
 use std::io::{Error, ErrorKind, Read, Result, Seek, SeekFrom};
 use std::path::Path;
 
-/// Opens a file for reading. What is opened is judged, not what lay there before, and opening waits
-/// for nobody, as opening a pipe would.
+/// Opens a file for reading. What is opened is judged, not what lay there before, and opening does
+/// not wait, as opening a pipe would.
 ///
 /// # Errors
 /// It cannot be opened, is a folder, or no plain file.
@@ -66,11 +66,11 @@ pub fn last_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     Ok(last)
 }
 
-/// Opens a device or a pipe for writing, which takes bytes as they come. A pipe that nobody reads
-/// would be waited for, and is refused.
+/// Opens a device or a pipe for writing, which takes bytes as they come. A pipe without a
+/// reader would be waited for, and is refused.
 ///
 /// # Errors
-/// It cannot be opened, or nobody reads it.
+/// It cannot be opened, or has no reader.
 pub fn open_sink(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
     options.write(true);
@@ -81,7 +81,7 @@ pub fn open_sink(path: &Path) -> Result<File> {
             .open(path)
             .map_err(|error| match error.raw_os_error() {
                 Some(libc::ENXIO) => {
-                    Error::other("nobody reads from this pipe; start its reader first")
+                    Error::other("this pipe has no reader; start its reader first")
                 }
                 _ => error,
             })?;

@@ -48,7 +48,7 @@ pub(crate) struct DecodeFeed {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
     tell: fn(&str),
-    /// Damage was told of.
+    /// Damage was reported.
     told: bool,
 }
 

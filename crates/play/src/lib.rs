@@ -1,7 +1,7 @@
 //! A pack in, pictures out: opening, choosing, fetching, decoding and drawing, without command line
 //! and window.
 //!
-//! [`Player`] makes frames one by one, for whoever looks wherever; [`LivePlayer`] plays while
+//! [`Player`] makes frames one by one, for any view and gaze; [`LivePlayer`] plays while
 //! something else goes on, as a window does. Both obey a
 //! [`Session`](foveal_core::session::session::Session), which decides.
 

@@ -71,7 +71,7 @@ pub struct LiveOptions {
     pub session: SessionSettings,
     /// Who decodes.
     pub decoding: Decoding,
-    /// Told what a person should know and no error is.
+    /// Receives what a person should know but is not an error.
     pub tell: fn(&str),
 }
 
@@ -163,7 +163,7 @@ impl LivePlayer {
         self.drawer.is_morphing()
     }
 
-    /// Begins anew on another device.
+    /// Starts over on another device.
     pub fn recover(&mut self, drawer: Drawer) {
         self.drawer = drawer;
         self.session.take(SessionEvent::DeviceLost);

@@ -65,7 +65,7 @@ pub struct PlayerOptions {
     pub judged: bool,
     /// Who decodes.
     pub decoding: Decoding,
-    /// Told what a person should know and no error is.
+    /// Receives what a person should know but is not an error.
     pub tell: fn(&str),
 }
 
@@ -77,7 +77,7 @@ pub struct Player {
     cache: Cache<Payload>,
     pool: DecodePool,
     drawer: Drawer,
-    /// Tells how much of what the eye could see was shown, and what of it is missed.
+    /// Computes how much of what the eye could see was shown, and what it misses.
     judge: Option<(Worth, LossMeter)>,
     options: PlayerOptions,
     /// What shows the picture in the place of one view, if anything.
@@ -251,7 +251,7 @@ impl Player {
         let choose = begun.elapsed();
         let (_, left) = self.drawer.perform(actions, &mut self.cache, &now)?;
         let Some(session) = self.order(left) else {
-            return Err(self.lacks("tells too little to choose by"));
+            return Err(self.lacks("has too little to choose by"));
         };
         let wanted = self.wanted();
         let deadline = begun + period.mul_f64(READY);
@@ -528,7 +528,7 @@ fn of_video(unit: UnitId) -> UnitRef {
 }
 
 /// Whether the pack has what the policy chooses by; `acuity` stands in for one that weighs units,
-/// where the pack does not tell what they add.
+/// where the pack has no signatures.
 fn check(file: &PackFile, video: &Video, options: &mut PlayerOptions) -> Result<(), PlayError> {
     let lacks = |what| PlayError::Lacks {
         path: file.path().to_owned(),
@@ -543,7 +543,7 @@ fn check(file: &PackFile, video: &Video, options: &mut PlayerOptions) -> Result<
             ));
         }
         (options.tell)(&format!(
-            "{}: has no signatures, which tell what units add, so levels are chosen by acuity \
+            "{}: has no signatures, so levels are chosen by acuity \
              alone",
             file.path().display(),
         ));
@@ -551,7 +551,7 @@ fn check(file: &PackFile, video: &Video, options: &mut PlayerOptions) -> Result<
     }
     if options.config.needs_cues() && !(has.cues && has.signatures) {
         return Err(lacks(
-            "has no cues, which tell the variance of cells; prepare it again, or give \
+            "has no cues, which hold the variance of cells; prepare it again, or give \
              --noisy-cells N in place of --noise-threshold",
         ));
     }

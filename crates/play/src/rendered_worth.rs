@@ -1,6 +1,6 @@
 //! What is each unit of a scene worth, by pictures of all its levels?
 //!
-//! The reference for what signatures tell: each level is drawn whole, and what differs between two
+//! The reference for signatures: each level is drawn whole, and what differs between two
 //! is what an eye gets of the units that refine the coarser one. Takes as many pictures as there
 //! are levels, and as many passes over them.
 
@@ -47,7 +47,7 @@ impl RenderedWorth {
     }
 
     /// What each unit is worth at a moment, through the view where it is worth most, as footprints
-    /// tell it under rendered importance.
+    /// hold it under rendered importance.
     ///
     /// # Errors
     /// The device was lost.
@@ -125,7 +125,7 @@ impl RenderedWorth {
                 unit: UnitRef { asset, unit },
                 frame: 0,
             };
-            // What is damaged, or does not fit to what is, is seen by whoever plays.
+            // Damaged units, and units that do not fit the others, are found by the player.
             let Ok(payload) = self.file.read_unit(unit) else {
                 continue;
             };

@@ -10,7 +10,7 @@ use std::time::Duration;
 /// What is expected to be lost of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedLoss {
-    /// As signatures foretell it.
+    /// As signatures predict it.
     pub losses: ZoneLosses,
     /// The quality difference that a judge is expected to find, as
     /// [`jod_lost`](foveal_core::perception::visible_loss::jod_lost) takes it.
@@ -24,12 +24,12 @@ pub struct FrameReport {
     pub session: SessionFrame,
     /// Where the eye looked.
     pub gaze: GazeSample,
-    /// How far from there it was expected, in degrees; `None` where nobody knows where it looked.
+    /// How far from there it was expected, in degrees; `None` where the true gaze is unknown.
     pub gaze_error_deg: Option<f64>,
-    /// Share of the detail that this eye could see that was shown; `None` where the pack does not
-    /// tell what its units add, or judging was not asked for.
+    /// Share of the detail that this eye could see that was shown; `None` where the pack has no
+    /// signatures, or judging was not asked for.
     pub detail_share: Option<f64>,
-    /// What signatures foretell that is lost beside every finest tile, in the view where most is.
+    /// The loss against every finest tile that signatures predict, in the view where it is largest.
     pub expected: Option<ExpectedLoss>,
     /// What showed it: the first of the views.
     pub view: EyeView,

@@ -1,7 +1,7 @@
 //! What happens between a gaze and a picture of a scene, step by step?
 //!
 //! Choose, fetch, parse, draw: steps come one by one, as fast as they can be made, at times that
-//! whoever plays gives.
+//! the caller gives.
 
 use crate::error::PlayError;
 use crate::rendered_worth::RenderedWorth;
@@ -44,7 +44,7 @@ pub struct ScenePlayerOptions {
     pub bytes_per_s: f64,
     /// Bytes that units may take on the GPU.
     pub gpu_bytes: u64,
-    /// Told what a person should know and no error is.
+    /// Receives what a person should know but is not an error.
     pub tell: fn(&str),
 }
 
@@ -54,7 +54,7 @@ pub struct ScenePlayer {
     session: Session,
     cache: Cache<Payload>,
     drawer: Drawer,
-    /// Units that were needed so far, and the pages of index and table that told of them.
+    /// Units that were needed so far, and the pages of index and table that cover them.
     fetched: HashSet<UnitId>,
     pages: [HashSet<u32>; 2],
     /// What measures worth by pictures, where that is asked for.
@@ -75,7 +75,7 @@ pub struct SceneReport {
     pub unit_bytes: u64,
     /// These units.
     pub new_units: Vec<UnitId>,
-    /// Bytes of the pages of index and table that tell of them.
+    /// Bytes of the pages of index and table that cover them.
     pub page_bytes: u64,
     /// Time of choosing.
     pub choose: Duration,
@@ -240,7 +240,7 @@ impl ScenePlayer {
         })
     }
 
-    /// Tells the session what parts of the view units would refine.
+    /// Gives the session what parts of the view units would refine.
     fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
         match &mut self.rendered {
             Some(rendered) => self.session.see(AssetId(0), rendered.footprints(moment)?),
@@ -305,7 +305,7 @@ impl ScenePlayer {
         })
     }
 
-    /// Bytes of the pages that tell of a unit and were not loaded before.
+    /// Bytes of the pages that cover a unit and were not loaded before.
     fn load_pages(&mut self, unit: UnitId) -> u64 {
         let pages = self
             .file

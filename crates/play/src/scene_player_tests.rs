@@ -116,7 +116,7 @@ struct Held(PathBuf);
 
 impl Drop for Held {
     fn drop(&mut self) {
-        // What is left of a test harms nobody.
+        // What a test leaves behind does no harm.
         let _ = std::fs::remove_file(&self.0);
     }
 }

@@ -40,7 +40,7 @@ fn foveated(grid: &TileGrid) -> Vec<Tile> {
     wanted
 }
 
-/// CPU time of this process so far, where Linux tells it: a software GPU's true cost on a machine
+/// CPU time of this process so far, where Linux reports it: a software GPU's true cost on a machine
 /// that others use too.
 fn cpu_ms() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();

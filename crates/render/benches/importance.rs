@@ -1,6 +1,6 @@
 //! How long does the value of every step take on the GPU, for 1920x1080 pixels in five levels?
 //!
-//! Prints the medians of the GPU's own time, where the adapter tells it, and of the time that a
+//! Prints the medians of the GPU's own time, where the adapter reports it, and of the time that a
 //! caller waits.
 #![allow(clippy::print_stdout)]
 

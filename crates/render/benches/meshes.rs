@@ -1,7 +1,7 @@
 //! How long does a picture of 10,000 clusters at 1280x800 take?
 //!
 //! Prints the median of some frames, with and without the pass that leaves out what cannot be seen:
-//! where all of it is seen, and where most of it lies beside the field of view.
+//! where all of it is seen, and where most of it lies outside the field of view.
 #![allow(clippy::print_stdout)]
 
 #[path = "../tests/common/mod.rs"]
@@ -62,7 +62,7 @@ fn main() -> Result<(), RenderError> {
     Ok(())
 }
 
-/// CPU time of this process so far, where Linux tells it: a software GPU's true cost on a machine
+/// CPU time of this process so far, where Linux reports it: a software GPU's true cost on a machine
 /// that others use too.
 fn cpu_ms() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();

@@ -1,6 +1,6 @@
 // What is a picture at half its size, without the detail that is too fine for it?
 //
-// A binomial of 1 3 3 1 over 8 on each axis, by four reads between texels: 0.75 beside the middle
+// A binomial of 1 3 3 1 over 8 on each axis, by four reads between texels: 0.75 from the middle
 // lies the mean of one pair of weights 1 and 3. Adds a variance of 0.75 texels².
 
 @group(0) @binding(5) var larger: texture_2d<f32>;

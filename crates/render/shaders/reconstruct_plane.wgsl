@@ -1,6 +1,6 @@
 // Which colour does a pixel of a view on flat content get?
 //
-// Reads the resident tiles; beside the content it is black. See shared/picture.wgsl.
+// Reads the resident tiles; outside the content it is black. See shared/picture.wgsl.
 
 // Draws the pixels whose samples lie in one tile, and leaves the others.
 @fragment

@@ -188,7 +188,7 @@ impl Blur {
         kept.insert(fits.unwrap_or_else(|| Self::new(gpu, size)))
     }
 
-    /// Where the first half is drawn by whoever draws it by itself.
+    /// Where the first half is drawn by callers that draw it themselves.
     pub(crate) fn first_half(&self) -> &PictureTarget {
         &self.halves
     }

@@ -114,7 +114,7 @@ impl Drawer {
         }
     }
 
-    /// From now on shows tiles like this; `true` where all of them must come anew. What cannot be
+    /// From now on shows tiles like this; `true` where all of them must come again. What cannot be
     /// shown leaves everything as it was.
     ///
     /// # Errors
@@ -127,7 +127,7 @@ impl Drawer {
     }
 
     /// Makes the mask that samples are shown by, where there is none for this view; takes about a
-    /// second. `true` where tiles must come anew to be sampled.
+    /// second. `true` where tiles must come again to be sampled.
     ///
     /// # Errors
     /// The mask is larger than the device binds.
@@ -156,7 +156,7 @@ impl Drawer {
         }
     }
 
-    /// Tells a session what parts of the view units would refine, where it chooses by that: what
+    /// Gives a session what parts of the view units would refine, where it chooses by that: what
     /// was measured since the last call. Begins to measure what is drawn now, where that is due.
     ///
     /// # Errors
@@ -436,7 +436,7 @@ impl Drawer {
     }
 
     /// From now on paints over pictures of a scene what each unit that would refine them is worth
-    /// to this viewer, with these parameters, as footprints measured now tell; or nothing. Over a
+    /// to this viewer, with these parameters, by the footprints measured now; or nothing. Over a
     /// video it paints nothing. Blocks.
     ///
     /// # Errors

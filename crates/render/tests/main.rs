@@ -1,6 +1,6 @@
 //! Is what is drawn right, on the device and by its twin?
 //!
-//! One program for all of them: each would link the whole crate anew.
+//! One program for all of them: each would link the whole crate again.
 
 // A test that cannot go on panics; one says what it measured.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]

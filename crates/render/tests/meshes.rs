@@ -519,7 +519,7 @@ fn what_units_are_worth_is_painted_over_what_they_would_refine_as_by_the_twin() 
     let (view, style) = (from_above(SIZE), SceneStyle::default());
     let plain = twin.picture(&view, &style);
     let ids = twin.ids(&view, &style);
-    // The buffer is made, written anew, and made anew.
+    // The buffer is made, rewritten, and made again.
     let turned: Vec<f32> = worths.iter().rev().copied().collect();
     for worths in [worths.as_slice(), &turned, &worths[..9]] {
         layer.mark(Some(worths)).unwrap();

@@ -267,7 +267,7 @@ fn where_a_texture_is_cut_out_nothing_is_drawn() {
     scene.textures[0].cutoff = Some(0.5);
     let image = drawn("cut_out", &scene, &front([256, 256]), |_| true);
     let background = drawn(
-        "beside",
+        "outside",
         &scene,
         &view([9.0, 9.0, 9.0], [0.0, 0.0], [8, 8]),
         |_| true,

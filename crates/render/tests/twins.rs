@@ -53,7 +53,7 @@ fn plane_views(surface: &Surface) -> Vec<(&'static str, EyeView)> {
         ("minified", EyeView::filling(surface, [61, 37])),
         ("magnified", window(surface, [30.3, 20.7], [150, 90], 3.3)),
         ("tilted", turned([14.0, -9.0, 20.0], 40.0, [160, 120])),
-        ("beside", turned([35.0, 10.0, 0.0], 80.0, [80, 60])),
+        ("outside", turned([35.0, 10.0, 0.0], 80.0, [80, 60])),
     ]
 }
 

@@ -418,7 +418,7 @@ fn white_on_overlapping_panels_that_fade_is_flat_within_one_code() {
             ];
             let ray = own.view.ray(place);
             let places: Vec<_> = panels.iter().map(|other| other.view.place(ray)).collect();
-            // Pixels round a panel's edge lie half in it: between them nothing is told.
+            // Pixels round a panel's edge lie half in it: between them nothing is known.
             let within = |at: [f64; 2], border: f64| {
                 (0..2).all(|k| (border..f64::from(size[k]) - border).contains(&at[k]))
             };

@@ -54,7 +54,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = Instant::now();
         let decoded = meshopt::decode_index_buffer::<u32>(&encoded, indices)?;
         keep("decode index buffer", start.elapsed().as_secs_f64());
-        assert_eq!(decoded.len(), indices, "the codec returns what it was told");
+        assert_eq!(
+            decoded.len(),
+            indices,
+            "the codec returns what it was given"
+        );
     }
     let triangles = source.meshes[0].triangles.len() as f64;
     for (name, seconds) in best {

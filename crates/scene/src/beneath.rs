@@ -1,6 +1,6 @@
 //! How is a file opened that lies in a folder, and none that lies elsewhere?
 //!
-//! Whoever writes a scene or rig file names the files beside it, and may be a stranger. Links are
+//! The author of a scene or rig file names the files next to it, and may be a stranger. Links are
 //! followed as long as they stay in the folder. Nothing is looked at before it is opened: between
 //! the two, another thing could take its name.
 
@@ -88,11 +88,11 @@ impl Beneath {
         self.folder.join(name)
     }
 
-    /// Opens what lies there under a relative name, for reading. Opening waits for nobody; what was
+    /// Opens what lies there under a relative name, for reading. Opening does not wait; what was
     /// opened may be a folder, a pipe or a device.
     ///
     /// # Errors
-    /// It cannot be opened, or lies elsewhere: [`leads_out`] tells that.
+    /// It cannot be opened, or lies elsewhere: [`leads_out`] says which.
     pub fn open(&self, name: &Path) -> Result<File> {
         let mut parts = name.components();
         if !parts.all(|part| matches!(part, Component::Normal(_))) {
@@ -112,7 +112,7 @@ impl Beneath {
             match openat2(&self.handle, name, flags, Mode::empty(), inside) {
                 Ok(file) => return Ok(file.into()),
                 Err(Errno::AGAIN) => {}
-                // Links that name the whole way are taken for leading out; they may lead back.
+                // Links that name the whole way count as leading out; they may lead back.
                 Err(Errno::XDEV) => return self.open_and_compare(name),
                 // Linux before 5.6, and what filters system calls.
                 Err(Errno::NOSYS | Errno::PERM) => return self.open_and_compare(name),

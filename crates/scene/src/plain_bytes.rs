@@ -1,4 +1,4 @@
-//! How is a file read that somebody named?
+//! How is a named file read?
 
 use std::fs::{File, OpenOptions};
 use std::io::Read;
@@ -7,7 +7,7 @@ use std::path::Path;
 /// The bytes of a plain file of at most `most` bytes, or why there are none.
 ///
 /// Folders, devices and pipes, which may have no end, are refused. What is opened is judged, not
-/// what lay there before, and opening waits for nobody.
+/// what lay there before, and opening does not wait.
 pub(crate) fn plain_bytes(path: &Path, most: u64) -> Result<Vec<u8>, PlainBytesError> {
     let mut options = OpenOptions::new();
     options.read(true);
@@ -30,7 +30,7 @@ pub(crate) fn bytes_of(mut file: File, most: u64) -> Result<Vec<u8>, PlainBytesE
     Ok(bytes)
 }
 
-/// Most bytes of a file that is kept whole: as many as the machine has memory, where Linux tells,
+/// Most bytes of a file that is kept whole: as many as the machine has memory, where Linux says,
 /// else 64 GiB.
 pub(crate) fn most_kept() -> u64 {
     let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();

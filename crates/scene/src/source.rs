@@ -10,14 +10,14 @@ use std::sync::Arc;
 /// Most missing pictures that are named.
 const MOST_MISSING_NAMED: u64 = 8;
 
-/// A scene as its files tell it: nothing is simplified or put on a grid yet.
+/// A scene as its files describe it: nothing is simplified or put on a grid yet.
 #[derive(Clone, Debug, Default)]
 pub struct SourceScene {
     /// What stands in the scene.
     pub objects: Vec<SourceObject>,
     /// The meshes that objects show.
     pub meshes: Vec<SourceMesh>,
-    /// The clouds of points that stand in the scene beside objects.
+    /// The clouds of points that stand in the scene next to objects.
     pub clouds: Vec<SourceCloud>,
     /// What surfaces look like; triangles name them by number.
     pub materials: Vec<Material>,
@@ -38,7 +38,7 @@ pub struct SourceScene {
 }
 
 impl SourceScene {
-    /// Puts all of another scene beside what stands here.
+    /// Puts all of another scene next to what stands here.
     pub(crate) fn append(&mut self, other: Self) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());
         let images = self.images.len();
@@ -216,7 +216,7 @@ pub(crate) fn keep<T>(list: &mut Vec<T>, stays: &[bool]) {
 }
 
 /// A cloud of points on a grid, and the places where it stands. A point lies, along each axis, at
-/// its place times the scale and the offset beside 0.
+/// its place times the scale and the offset from 0.
 #[derive(Clone, Debug, Default)]
 pub struct SourceCloud {
     /// Its name in the file, or one made of the file's name.
@@ -253,7 +253,7 @@ impl SourceCloud {
         } else {
             1.0
         };
-        // Half a step beside a corner of the grid nothing is cut off.
+        // Half a step off a corner of the grid nothing is cut off.
         let origin = if positions.is_empty() {
             DVec3::ZERO
         } else {
@@ -315,7 +315,7 @@ pub struct Material {
 pub struct MaterialTexture {
     /// Number of the picture.
     pub image: usize,
-    /// What lies beside it.
+    /// What lies outside it.
     pub wrap: [Wrap; 2],
     /// Places on the picture from those of vertices.
     pub picture_from_uv: DAffine2,

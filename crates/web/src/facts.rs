@@ -1,4 +1,4 @@
-//! What is a page told of a pack?
+//! What does a page learn about a pack?
 
 use crate::pack_in_parts::{Head, PackInParts};
 use foveal_core::content::demand::Content;
@@ -17,8 +17,8 @@ pub fn head_bytes(beginning: &[u8]) -> Result<u64, String> {
     Ok(header.data_offset().max(HEADER_BYTES as u64))
 }
 
-/// First byte and length of every stretch of the file that [`PackInParts::open`] needs beside the
-/// head.
+/// First byte and length of every stretch of the file that [`PackInParts::open`] needs besides
+/// the head.
 pub fn opening(head: &[u8]) -> Result<Vec<f64>, String> {
     let stretches = Head::read(head).and_then(|(header, head)| head.stretches(&header));
     let stretches = stretches.map_err(|error| error.to_string())?;

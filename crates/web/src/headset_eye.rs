@@ -6,7 +6,7 @@ use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::Eye;
 use glam::{DQuat, DVec3};
 
-/// What one eye of a headset asks for, as WebXR tells it.
+/// What one eye of a headset asks for, as WebXR gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EyeRequest {
     pub(crate) eye: Eye,
@@ -21,8 +21,8 @@ pub(crate) struct EyeRequest {
 }
 
 impl EyeRequest {
-    /// Its view; `None` where the numbers are none of an eye. Through a scene the head moves from
-    /// `start` on; pictures around it, which have none, move along with it.
+    /// Its view; `None` where the numbers do not describe an eye. Through a scene the head moves
+    /// from `start` on; pictures around it, which have none, move along with it.
     pub(crate) fn view(&self, start: Option<DVec3>) -> Option<EyeView> {
         let moved = DVec3::from_array(self.position);
         let position = start.map_or(DVec3::ZERO, |start| start + moved);
@@ -39,7 +39,7 @@ impl EyeRequest {
         };
         let view = EyeView {
             position,
-            // As its angles tell it, which is what a log keeps.
+            // As its angles give it, which is what a log keeps.
             axes: HeadPose::of(&axes).axes(),
             field: Field::of(self.tangents),
             size: self.size.map(|side| side.max(1)),

@@ -1,4 +1,4 @@
-//! Where does whoever sits before a page look?
+//! Where is the page's viewer looking?
 
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::gaze::read::record::GazeRecord;
@@ -12,7 +12,7 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::navigation::Pane;
 
-/// Whoever sends gazes; without one it is the pointer.
+/// The sender of gazes; without one it is the pointer.
 #[derive(Default)]
 pub(crate) struct Looking {
     sender: Option<Sender>,
@@ -48,7 +48,7 @@ impl Looking {
         self.sender = None;
     }
 
-    /// Whether it changes though nobody touches the page.
+    /// Whether it changes without any input to the page.
     pub(crate) fn moves(&self) -> bool {
         self.sender.is_some()
     }
@@ -97,8 +97,8 @@ impl Looking {
         }
     }
 
-    /// What selection is given in a headset: the eye is where the head's motion lets it be
-    /// expected, unless somebody sends it.
+    /// What selection is given in a headset: the gaze expected from the head's motion, unless
+    /// a gaze is sent.
     pub(crate) fn moment_in_headset(
         &mut self,
         now: Seconds,

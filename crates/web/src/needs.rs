@@ -15,7 +15,7 @@ use std::collections::HashSet;
 pub const ROW: usize = 10;
 /// How far ahead bytes are fetched while the content plays, in seconds.
 const AHEAD_S: f64 = 2.0;
-/// Most rows that are told at once.
+/// Most rows that are returned at once.
 const MOST_ROWS: usize = 4096;
 
 /// What a row asks for.
@@ -118,7 +118,7 @@ impl PagePlayer {
         }
     }
 
-    /// The chunks of units, as the session asks for them: all that tells where they are is there.
+    /// The chunks of units, as the session asks for them; the index pages for them are loaded.
     fn needs_of_scene(&self, scene: &Scene) -> Vec<f64> {
         let pack = scene.pack();
         let asked = self.session.requested().iter().take(MOST_ROWS);
@@ -192,7 +192,7 @@ impl PagePlayer {
         let mut next = tick;
         loop {
             let frame = next % round;
-            // Groups begin anew with every round.
+            // Groups start over with every round.
             next += (shortest - frame % shortest).min(round - frame);
             if timeline.time_of(next).0 > until || rows.rows.len() >= MOST_ROWS * ROW {
                 return;

@@ -16,7 +16,7 @@ pub struct Options {
     /// The score that levels are chosen for.
     #[serde(default)]
     pub target: Option<Target>,
-    /// Of `acuity`: degrees by which the smallest pixel that an eye tells apart grows with each
+    /// Of `acuity`: degrees by which the smallest pixel that an eye resolves grows with each
     /// degree of eccentricity.
     #[serde(default)]
     pub slope: Option<f64>,

@@ -29,7 +29,7 @@ const OF_VIDEO: Bounds = Bounds {
     gpu: 2 << 30,
 };
 /// The same of a scene, whose units stay on the GPU as long as they are seen. Few are asked for at
-/// once, so that who turns away waits for little that is no longer wanted.
+/// once, so that turning away is not delayed by stale requests.
 const OF_SCENE: Bounds = Bounds {
     in_flight: 8 << 20,
     cached: 256 << 20,
@@ -75,7 +75,7 @@ impl<'a> Head<'a> {
         Ok((header, head))
     }
 
-    /// The stretches of the file that are needed beside the head before a pack can be opened: of a
+    /// The stretches of the file that are needed besides the head before a pack can be opened: of a
     /// scene the index, the table of units, and the table of objects where it has one.
     pub(crate) fn stretches(&self, header: &Header) -> Result<Vec<Range<u64>>, PackError> {
         let Self::Scene(about) = self else {
@@ -133,7 +133,7 @@ impl PackInParts {
         }
     }
 
-    /// What a session is told of.
+    /// What a session receives.
     pub(crate) fn content(&self) -> Arc<dyn Content> {
         match &self.content {
             ContentInParts::Video(video) => Arc::clone(video) as Arc<dyn Content>,
@@ -182,7 +182,7 @@ impl PackInParts {
         }
     }
 
-    /// Where a side table that comes later lies in the file; `None` where there is none of that
+    /// Where a side table that comes later lies in the file; `None` where no table has that
     /// name.
     pub(crate) fn table_place(&self, name: &str) -> Option<Range<u64>> {
         let table = self.video()?.table(name)?;

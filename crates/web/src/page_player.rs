@@ -32,7 +32,7 @@ const FIRST_GUESS: f64 = 1e6;
 /// How often a headset's eyes must ask for the levels to follow them, in seconds.
 const HEADSET_HOLDS_S: f64 = 0.5;
 
-/// What a step tells, as bits.
+/// What a step returns, as bits.
 pub mod flag {
     /// The picture changed: draw.
     pub const DRAW: u32 = 1;
@@ -231,7 +231,7 @@ impl PagePlayer {
         }
     }
 
-    /// Begins anew on another device.
+    /// Starts over on another device.
     pub fn recover(&mut self, gpu: Gpu) -> Result<(), RenderError> {
         self.drawer = self.pack.drawer(&DrawDevice::Gpu(gpu))?;
         self.session.take(SessionEvent::DeviceLost);
@@ -301,7 +301,7 @@ impl PagePlayer {
         self.session.timeline().within(self.viewer.time(now))
     }
 
-    /// Looks where the viewer looks and moves the session on; tells what of [`flag`] is so.
+    /// Looks where the viewer looks and moves the session on; returns bits of [`flag`].
     pub fn step(&mut self, now: Seconds) -> Result<u32, RenderError> {
         let mut told = if self.viewer.stay_at_the_end(&self.session, now) {
             flag::ENDED
@@ -337,8 +337,8 @@ impl PagePlayer {
         Ok(told)
     }
 
-    /// Does what the session asks for; tells whether the picture changed, and whether other units
-    /// are wanted.
+    /// Does what the session asks for; returns whether the picture changed, and whether other
+    /// units are wanted.
     fn obey(
         &mut self,
         actions: Vec<SessionAction>,
@@ -404,7 +404,7 @@ impl PagePlayer {
     }
 
     /// The view of an eye of a headset, which levels follow from now on; `None` where the numbers
-    /// are none of an eye.
+    /// do not describe an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
         let start = match &self.pack.content {
             ContentInParts::Video(_) => None,

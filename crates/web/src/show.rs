@@ -47,7 +47,7 @@ pub fn about(head: &[u8]) -> Outcome<String> {
     crate::facts::about(head).map_err(refused)
 }
 
-/// First byte and length of every stretch that [`Show::open`] needs beside the head.
+/// First byte and length of every stretch that [`Show::open`] needs besides the head.
 #[wasm_bindgen]
 #[allow(unreachable_pub, reason = "exported to the page")]
 pub fn opening(head: &[u8]) -> Outcome<Vec<f64>> {
@@ -125,7 +125,7 @@ impl Show {
         }
     }
 
-    /// Begins anew on this device; [`Device::open`] opens it.
+    /// Starts over on this device; [`Device::open`] opens it.
     pub fn restart(&mut self, device: Device) -> Outcome<()> {
         self.player.recover(device.gpu).map_err(refused)?;
         self.lost = device.lost;
@@ -136,7 +136,7 @@ impl Show {
         Ok(())
     }
 
-    /// Moves on to `now`; tells what happened as the bits of `flag`.
+    /// Moves on to `now`; returns what happened as the bits of `flag`.
     pub fn step(&mut self, now: f64) -> Outcome<u32> {
         self.player.step(Seconds(now)).map_err(refused)
     }
@@ -153,7 +153,7 @@ impl Show {
         index.add_page(page, bytes).map_err(refused)
     }
 
-    /// A page of the index is damaged: what it tells of cannot be had.
+    /// A page of the index is damaged: the units that it covers cannot be loaded.
     #[wasm_bindgen(js_name = failPage)]
     pub fn fail_page(&self, page: u32) {
         if let Some(video) = self.player.pack.video() {
@@ -311,7 +311,7 @@ impl Show {
             tangents: [left, right, up, down],
         };
         let view = self.player.eye_view(&request, Seconds(now));
-        let view = view.ok_or_else(|| refused("these numbers are none of an eye"))?;
+        let view = view.ok_or_else(|| refused("invalid eye pose or field"))?;
         if self.player.session.shown_tick().is_none() {
             return Ok(false);
         }
@@ -391,7 +391,7 @@ impl Show {
         self.player.viewer.pointer.leave(Seconds(now));
     }
 
-    /// Takes a gaze record; refuses what is none.
+    /// Takes a gaze record; refuses anything else.
     pub fn gaze(&mut self, record: &str, now: f64) -> Outcome<()> {
         let taken = self
             .player

@@ -1,4 +1,4 @@
-//! What does a page tell of itself?
+//! What does a page report about itself?
 
 use crate::page_player::PagePlayer;
 use foveal_core::units::Seconds;

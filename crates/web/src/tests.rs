@@ -67,7 +67,7 @@ fn description() -> Description {
     }
 }
 
-/// A host with a pack of chunks that nobody looks into.
+/// A host with a pack whose chunks are never read.
 struct Host {
     file: Vec<u8>,
 }

@@ -28,7 +28,7 @@ test("both, and what is no number of its range, are left out, and said", () => {
   }
 });
 
-test("a demo weighs what tiles add where the pack tells, and a slope is of acuity", () => {
+test("a demo weighs what tiles add where the pack has it, and a slope is of acuity", () => {
   const telling = { kind: "video", policies: ["viewport", "acuity", "perceptual"] } as const;
   const silent = { kind: "video", policies: ["viewport", "acuity"] } as const;
   expect([demoPolicy(telling), demoPolicy(silent)]).toEqual(["perceptual", "acuity"]);

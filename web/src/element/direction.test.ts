@@ -31,7 +31,7 @@ test("what is no number of its range is left out, and said", () => {
   }
 });
 
-test("an address tells where one looks, and leaves all else as it was", () => {
+test("an address says where one looks, and leaves all else as it was", () => {
   const search = "?pack=a%20b.foveal&paused&yaw=3&fov=x";
   const query = queryOf(search, looking(-12.3456, 7, 61.23, 2));
   expect(query).toBe("?pack=a%20b.foveal&paused&yaw=-12.35&pitch=7&fov=61.2");

@@ -21,7 +21,7 @@ export function setAttribute(on: Element, name: string, value: Attribute): void 
   else on.setAttribute(name, value === true ? "" : String(value));
 }
 
-/** A drawing of one path in a square of 24 units, seen by nobody who listens. */
+/** A drawing of one path in a square of 24 units, hidden from screen readers. */
 export function icon(path: string): SVGElement {
   const space = "http://www.w3.org/2000/svg";
   const drawing = document.createElementNS(space, "svg");

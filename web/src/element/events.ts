@@ -1,4 +1,4 @@
-// What does the element tell the page that holds it?
+// What does the element report to the page that holds it?
 
 import type { EngineEvents, EngineProblem, PackFacts, Stats } from "../engine/api.ts";
 
@@ -27,7 +27,7 @@ export interface FovealViewEvents {
   headset: boolean;
 }
 
-/** How an event is told. */
+/** How an event is reported. */
 export type Tell = <K extends keyof FovealViewEvents>(name: K, detail: FovealViewEvents[K]) => void;
 
 /** What was thrown, as a problem. */

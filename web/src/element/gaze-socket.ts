@@ -7,7 +7,7 @@
 export interface GazeHeard {
   /** One line. */
   record(line: string): void;
-  /** It opened (true) or was lost (false), which is told once. */
+  /** It opened (true) or was lost (false), which is reported once. */
   connected(is: boolean): void;
 }
 

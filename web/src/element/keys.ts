@@ -4,7 +4,7 @@
 
 /** The rows of the table, as they are listed. */
 export const KEYS = [
-  { shown: "H  ?", says: "keys, figures, nothing", needs: "nothing", keys: [
+  { shown: "H  ?", says: "cycle: help, statistics, off", needs: "nothing", keys: [
     {"key":"h","does":"overlay"},
     {"key":"?","does":"overlay"},
   ] },
@@ -27,7 +27,7 @@ export const KEYS = [
     {"key":"Home","does":"first"},
     {"key":"End","does":"last"},
   ] },
-  { shown: "Left  Right", says: "look round, move", needs: "nothing", keys: [
+  { shown: "Left  Right", says: "look around, move", needs: "nothing", keys: [
     {"key":"ArrowLeft","does":"move","by":[0.0625,0.0]},
     {"key":"ArrowRight","does":"move","by":[-0.0625,0.0]},
   ] },

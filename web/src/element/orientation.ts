@@ -2,7 +2,7 @@
 
 import type { Pose } from "../engine/api.ts";
 
-/** Whether this device can tell how it is held. */
+/** Whether this device reports how it is held. */
 export function hasOrientation(): boolean {
   return "DeviceOrientationEvent" in window && matchMedia("(pointer: coarse)").matches;
 }
@@ -21,7 +21,7 @@ export async function followDevice(
   const asking: Asking = DeviceOrientationEvent as unknown as Asking;
   const answer = await (asking.requestPermission?.() ?? Promise.resolve("granted"));
   if (answer !== "granted") {
-    throw new Error("The browser does not tell how the device is held: allow this page motion.");
+    throw new Error("The browser does not report how the device is held: allow this page motion.");
   }
   let first: number | null = null;
   const heard = (event: DeviceOrientationEvent): void => {

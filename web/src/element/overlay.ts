@@ -125,11 +125,11 @@ const FIGURES: readonly (readonly [string, string, (stats: Stats) => string])[] 
   [
     "fetched",
     "What the host sent since the page was opened",
-    (s) => `${bytes(s.bytesFetched)}, ${s.requests} requests`,
+    (s) => `${bytes(s.bytesFetched)}, ${s.requests} ${s.requests === 1 ? "request" : "requests"}`,
   ],
   [
     "throughput",
-    "What the link brought of late while anything was on its way",
+    "Recent delivery of the link while anything was on its way",
     (s) => (s.throughput > 0 ? rate(s.throughput) : "–"),
   ],
   ["decoding a tile", "From its bytes to its pixels", (s) => `${s.decodeMs.toFixed(1)} ms`],

@@ -28,7 +28,7 @@ const LABELS = {
   play: "Play",
   sound: "Sound",
   figures: "Figures",
-  demo: "Demo: the pointer is the eye",
+  demo: "Demo: your pointer acts as your gaze",
   sensor: "Turn by moving the device",
   headset: "Enter the headset",
   fullscreen: "Full screen",

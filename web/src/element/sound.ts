@@ -1,7 +1,7 @@
 // How is the sound of a pack heard, in step with its pictures?
 //
-// The sound leads: packets are decoded a little ahead and put on the audio clock, and the engine is
-// told what is heard, to which the pictures keep.
+// The sound leads: packets are decoded a little ahead and put on the audio clock, and the engine
+// learns what is heard; the pictures follow it.
 
 import type { EngineApi, SoundPackets } from "../engine/api.ts";
 

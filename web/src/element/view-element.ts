@@ -21,7 +21,7 @@ import { Overlay } from "./overlay.ts";
 import { Shell } from "./shell.ts";
 import { Viewing, deviceSize } from "./viewing.ts";
 
-/** Attributes that open the pack anew when they change. */
+/** Attributes that reopen the pack when they change. */
 const OPENS = ["src", "demo", "privacy", "once", "slope"] as const;
 /** Those that count when it is opened. */
 const AT_FIRST = ["muted", "paused"] as const;
@@ -196,7 +196,7 @@ export class FovealView extends HTMLElement {
     return {
       src: this.getAttribute("src") ?? "",
       demo: this.hasAttribute("demo"),
-      // Whoever writes anything there wants privacy.
+      // Any value there asks for privacy.
       privacy: ["tiles", null].includes(this.getAttribute("privacy")) ? "tiles" : "coarse",
       size: deviceSize(this.shell.stage),
       paused,
@@ -238,7 +238,7 @@ export class FovealView extends HTMLElement {
     const refuse = (sentence: string): void => this.shell.say(sentence, "seen");
     const { target, slope } = detailOf((name) => this.getAttribute(name), refuse);
     if (slope === undefined) this.viewing?.setTarget(target);
-    // Without a target beside it, a slope counts again.
+    // Without a target next to it, a slope counts again.
     else this.reopen();
   }
 

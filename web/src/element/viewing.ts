@@ -47,7 +47,7 @@ export class Viewing implements Actions {
   private demo: PolicyName;
   /** The viewer has chosen a policy. */
   private chosen = false;
-  /** Where a skip has led that no figures have told of yet. */
+  /** Where a skip has led that no figures have reported yet. */
   private skipping: number | null = null;
   private sensor: AbortController | null = null;
   /** The last trouble that was said. */
@@ -431,11 +431,11 @@ const LOST = {
 } as const;
 
 const DEMO_WORDS =
-  "Demo: the pointer is the eye; look at it. Only what an eye there could see is fetched.";
+  "Demo: your pointer acts as your gaze; look at it. Only what you could see is fetched.";
 
 const SOFTWARE =
-  "This browser gives no WebGPU, so only the coarsest picture is shown. For all of it, open this " +
-  "page in a current Chrome, Edge, Safari or Firefox on a machine with a graphics device.";
+  "This browser does not support WebGPU, so only the coarsest picture is shown. For all of it, " +
+  "open this page in a current Chrome, Edge, Safari or Firefox, with a graphics device.";
 
 /** Columns and rows of device pixels of an element; at least one each. */
 export function deviceSize(of: HTMLElement): readonly [number, number] {

@@ -1,4 +1,4 @@
-// What can be asked of an engine, and what does it tell?
+// What can be asked of an engine, and what does it report?
 //
 // The element and the pages know only this file and `engine.ts`. Angles are in degrees where a
 // name says so; places and sizes are in device pixels of the canvas; times are in seconds of the
@@ -41,14 +41,14 @@ export interface EngineOptions {
   readonly demo?: boolean;
   /**
    * Which levels are wanted. Where it is left out: `acuity` with `slope`; with `demo`
-   * `perceptual`, or `acuity` for scenes and for packs that do not tell what their tiles add; else
+   * `perceptual`, or `acuity` for scenes and for packs without signatures; else
    * `viewport`.
    */
   readonly policy?: PolicyName;
   /** The score that levels are chosen for; where it is left out, 9.5 for `acuity`, `perceptual`. */
   readonly target?: Target;
   /**
-   * Of `acuity`, in place of a target: degrees by which the smallest pixel that an eye tells apart
+   * Of `acuity`, in place of a target: degrees by which the smallest pixel that an eye resolves
    * grows with each degree of eccentricity, 0 to 1.
    */
   readonly slope?: number;
@@ -58,7 +58,7 @@ export interface EngineOptions {
   readonly size: readonly [number, number];
   /** Begin paused. */
   readonly paused?: boolean;
-  /** Stay at the end instead of beginning anew. */
+  /** Stay at the end instead of starting over. */
   readonly once?: boolean;
   /** Where drawing happens: a worker, or the page's own thread, as WebXR needs it. */
   readonly thread?: "worker" | "main";
@@ -80,8 +80,8 @@ export interface EngineOptions {
 }
 
 /**
- * The policy of a demo with a pack: the first of these that the pack has the tables for. Nothing
- * tells the score of a scene, so `perceptual` would fetch all of it.
+ * The policy of a demo with a pack: the first of these that the pack has the tables for. The
+ * score of a scene is unknown, so `perceptual` would fetch all of it.
  */
 export function demoPolicy({ kind, policies }: Pick<PackFacts, "kind" | "policies">): PolicyName {
   return kind === "video" && policies.includes("perceptual") ? "perceptual" : "acuity";
@@ -144,7 +144,7 @@ export interface Stats {
   readonly target: number | null;
   /**
    * The score that what was chosen is expected to have against every finest tile, once all of it is
-   * shown; null while that is not known, as it takes what the pack tells of its tiles.
+   * shown; null while that is not known, as it needs the pack's tables of its tiles.
    */
   readonly expectedScore: number | null;
   readonly playing: boolean;
@@ -229,7 +229,7 @@ export interface EyeRequest {
   readonly eye: "left" | "right";
   /** Where the eye is, in metres from where the head began. */
   readonly position: readonly [number, number, number];
-  /** Orientation of the eye: x, y, z, w as WebXR tells it (-z forward, +y up). */
+  /** Orientation of the eye: x, y, z, w as WebXR gives it (-z forward, +y up). */
   readonly orientation: readonly [number, number, number, number];
   /** Tangents to the left, right, top and bottom edge; right and top are positive outwards. */
   readonly tangents: readonly [number, number, number, number];
@@ -273,7 +273,7 @@ export interface EngineProblem {
   readonly fatal: boolean;
 }
 
-/** What an engine tells by itself. */
+/** What an engine reports by itself. */
 export interface EngineEvents {
   /** The pack is understood; the first picture comes. */
   ready: PackFacts;
@@ -286,7 +286,7 @@ export interface EngineEvents {
   /** Twice a second while something changes. */
   stats: Stats;
   error: EngineProblem;
-  /** The host has another file under this address now; the engine begins anew with it. */
+  /** The host has another file under this address now; the engine starts over with it. */
   changed: string;
   /** A device, worker or host is gone; what is on screen stays. */
   lost: "gpu" | "worker" | "network";

@@ -59,7 +59,7 @@ export interface Tells {
 
 export type Calls = Answers & Tells;
 
-/** What a host tells; the same names as on the page. */
+/** What a host reports; the same names as on the page. */
 export type Tell = <K extends keyof EngineEvents>(name: K, value: EngineEvents[K]) => void;
 
 /** From the page to the worker. */

@@ -21,7 +21,7 @@ const DECODERS = [8, 12] as const;
 /** Policies that choose by what units are worth. */
 const VALUED: readonly PolicyName[] = ["acuity", "uniform", "eccentricity", "perceptual"];
 
-/** What a courier tells. */
+/** What a courier reports. */
 export interface CourierEvents {
   wake(): void;
   tell: Tell;
@@ -102,7 +102,7 @@ export class Courier {
     });
   }
 
-  /** What the pack needs beside its head before it can be opened, one after the other: `stretches`
+  /** What the pack needs besides its head before it can be opened, one after the other: `stretches`
    *  are first bytes and lengths. */
   rest(stretches: Float64Array): Promise<Uint8Array<ArrayBuffer>> {
     const wants: Want[] = [];
@@ -194,7 +194,7 @@ export class Courier {
     void this.#table("frame_times");
   }
 
-  /** Asks anew what is needed. */
+  /** Asks again what is needed. */
   ask(): void {
     if (!this.#show) return;
     this.#needs = needsOf(this.#show.needs());
@@ -350,7 +350,7 @@ export class Courier {
     if (taken.size > 0) {
       this.#needs = this.#needs.filter((need) => !taken.has(need));
       this.#events.wake();
-      // More may have been needed than was told at once.
+      // More may have been needed than was returned at once.
       if (this.#needs.length === 0) return this.ask();
     }
     for (const unit of this.#chunks.keys()) {

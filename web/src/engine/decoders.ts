@@ -20,7 +20,7 @@ export interface PictureWant {
 /** The access units of a chunk. */
 export type Chunk = readonly Uint8Array[];
 
-/** What a pool tells. */
+/** What a pool reports. */
 export interface DecoderEvents {
   /** A frame of a unit was decoded for which `decoded` were; `planes` are the receiver's. */
   picture(want: PictureWant, decoded: number, planes: Uint8Array): void;

@@ -12,7 +12,7 @@ import { Poster, softwareSize } from "./poster.ts";
 import { problem, problemOf } from "./problem.ts";
 import { about, Device, FLAG, loadWasm, opening, Show } from "./wasm.ts";
 
-/** How often figures are told while something changes, in milliseconds. */
+/** How often figures are reported while something changes, in milliseconds. */
 const STATS_MS = 500;
 /** Longest wait for a picture of the screen before a step, in milliseconds. */
 const LATE_MS = 250;
@@ -228,7 +228,7 @@ export class Host implements Calls {
     if (told & FLAG.again) this.#again();
   }
 
-  /** Draws at the next picture of the screen: more often, nobody would see it. */
+  /** Draws at the next picture of the screen: more often would not be seen. */
   #draw(): void {
     if (this.#drawing) return;
     this.#drawing = true;

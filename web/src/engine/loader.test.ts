@@ -112,7 +112,7 @@ test("no byte is asked for twice, whatever is wanted and in whatever order it co
   expect(host.asked.length).toBeGreaterThan(50);
 });
 
-test("what nobody wants any more is given up, and what came of it stays", async () => {
+test("requests no longer wanted are cancelled, and what arrived of them stays", async () => {
   const host = new Host();
   host.loader.want([want(0, 500_000)]);
   await host.settle();
@@ -195,7 +195,7 @@ test("another file is noticed while all that is wanted is in memory, once a minu
   expect([host.said, host.failures]).toEqual([["changed"], []]);
 });
 
-test("a host without ranges is told of", async () => {
+test("a host without ranges is reported", async () => {
   const host = new Host();
   host.loader.want([want(0, 1000)]);
   await host.settle();

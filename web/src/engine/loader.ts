@@ -1,7 +1,7 @@
 // How do bytes come from a host?
 //
-// Range requests, what matters most first: neighbours in the file travel together, what nobody
-// waits for any more is given up, what failed is tried again, and no byte is asked for twice.
+// Range requests, what matters most first: neighbours in the file travel together,
+// requests no longer wanted are cancelled, failed ones repeated, and no byte is asked for twice.
 //
 // The browser's own cache is passed by. It gave next to nothing back of a pack that was opened
 // again (Chromium; other browsers keep no ranges), asked for some ranges twice where several were
@@ -30,7 +30,7 @@ const MOST_WAIT = 8000;
 /** Why bytes do not come. */
 export type Failure = "not-found" | "no-ranges" | "network" | "short";
 
-/** What a loader tells. */
+/** What a loader reports. */
 export interface LoaderEvents {
   /** Bytes came. */
   bytes(): void;
@@ -70,7 +70,7 @@ export class Loader {
   #under: Request[] = [];
   #wants: readonly Want[] = [];
   #tag: string | null = null;
-  /** Milliseconds to the first byte of an answer, the least of late. */
+  /** Milliseconds to the first byte of an answer, the lowest seen recently. */
   #trip = 0;
   #tries = 0;
   #failing = false;
@@ -109,7 +109,7 @@ export class Loader {
     this.bytes.drop(damaged);
   }
 
-  /** Asks whether the host still has this file, where it said nothing of it for a minute. */
+  /** Asks whether the host still has this file, where it has not confirmed it for a minute. */
   check(): void {
     const now = this.#world.now();
     if (this.#closed || this.length === null || now - this.#told < KEEP_MS) return;

@@ -31,7 +31,7 @@ export class Meter {
     this.#note(bytes);
   }
 
-  /** Of late; 0 before anything came. */
+  /** Recent; 0 before anything came. */
   get bytesPerSecond(): number {
     let [ms, bytes] = [0, 0];
     for (const span of this.#spans) {

@@ -11,7 +11,7 @@ export function planeBytes(width: number, height: number): number {
   return planeSizes(width, height).reduce((sum, [w, h]) => sum + w * h, 0);
 }
 
-/** Buffers of the same lengths come again and again: what is free is used anew. */
+/** Buffers of the same lengths come again and again: what is free is reused. */
 export class Buffers {
   readonly #free = new Map<number, Uint8Array[]>();
 

@@ -21,7 +21,7 @@ export class Poster {
     private readonly canvas: OffscreenCanvas,
   ) {}
 
-  /** Begins to show a pack by its beginning, what it needs beside that, and the options of
+  /** Begins to show a pack by its beginning, what it needs besides that, and the options of
    *  {@link Show.open}. */
   static async open(
     head: Uint8Array,

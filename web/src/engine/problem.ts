@@ -6,7 +6,7 @@ type Kind = EngineProblem["kind"];
 
 const SENTENCES: Readonly<Record<Kind, string>> = {
   "no-webgpu":
-    "This browser gives no WebGPU, by which pictures are drawn; a current Chrome, Edge, Safari " +
+    "This browser does not support WebGPU, which draws pictures; a current Chrome, Edge, Safari " +
     "or Firefox on a machine with a graphics device does.",
   "no-ranges":
     "This host does not serve parts of files (byte ranges), so nothing can be shown from " +
@@ -14,15 +14,15 @@ const SENTENCES: Readonly<Record<Kind, string>> = {
   "not-found": "There is no pack at this address.",
   network: "The host cannot be reached; trying again.",
   "broken-pack":
-    "The file that the host sends cannot be read; whoever keeps the site may copy it there " +
-    "again, or export the site again with the program that prepared it.",
+    "The file that the host sends cannot be read; ask the site's owner to copy it there again, " +
+    "or to export the site again with the program that prepared it.",
   codec:
-    "This browser cannot decode this video; whoever keeps the site may prepare it with --codec " +
-    "vp9, which all browsers decode.",
-  gaze: "What the gaze's sender sends is no gaze.",
+    "This browser cannot decode this video; ask the site's owner to prepare it with --codec vp9, " +
+    "which all browsers decode.",
+  gaze: "The gaze's sender sends something that is not a gaze.",
   internal:
-    "The viewer failed; load the page again, and if that does not help, whoever keeps the site " +
-    "may export it again.",
+    "The viewer failed; load the page again, and if that does not help, ask the site's owner to " +
+    "export it again.",
 };
 
 /** A problem in words; `detail` says what was found. */

@@ -1,4 +1,4 @@
-// How large does the screen seem to whoever sits before it?
+// How large does the screen appear to its viewer?
 
 import type { EngineOptions } from "./api.ts";
 import type { HostOptions } from "./calls.ts";

@@ -10,7 +10,7 @@ export function loadWasm(): Promise<unknown> {
   return loaded;
 }
 
-/** Bits of what a step tells; `flag` of `crates/web/src/page_player.rs`. */
+/** Bits of what a step returns; `flag` of `crates/web/src/page_player.rs`. */
 export const FLAG = { draw: 1, settled: 2, wants: 4, again: 8, ended: 16, hopeless: 32 } as const;
 
 /** Numbers of a row of needs; `ROW` of `crates/web/src/needs.rs`. */

@@ -55,7 +55,7 @@ function show(): void {
   void showFacts(pack, view);
 }
 
-/** Asks before a tracker is connected to: an address that somebody sent must not do that. */
+/** Asks before a tracker is connected to: a link from someone else must not do that. */
 function askForGaze(view: FovealView, address: string): void {
   const yes = element("button", { type: "button" }, "Connect");
   const no = element("button", { type: "button" }, "No");
@@ -79,7 +79,7 @@ function showTitle(title: string): void {
   document.title = title;
 }
 
-/** Keeps where one looks in the address, so that it can be shared; not where a host, who is told an
+/** Keeps where one looks in the address, so that it can be shared; not where a host, which sees an
  *  address when it is opened again, is to learn less than that. */
 function keepInAddress(view: FovealView): void {
   if (![null, "tiles"].includes(view.getAttribute("privacy"))) return;

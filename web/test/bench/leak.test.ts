@@ -1,4 +1,4 @@
-// Does memory stay what it is, however long somebody looks round?
+// Does memory stay what it is, however long a viewer looks around?
 //
 // Minutes of looking over a loopback: no part of `make test`. MINUTES says how many, 10 if nothing.
 

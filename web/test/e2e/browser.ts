@@ -54,7 +54,7 @@ export function launchPlain(): Promise<Browser> {
 /** A page, and what it complained about. */
 export interface Opened {
   readonly page: Page;
-  /** Errors that nobody caught, and what a policy refused. */
+  /** Uncaught errors, and what a policy refused. */
   readonly complaints: string[];
 }
 
@@ -86,7 +86,7 @@ declare global {
   }
 }
 
-/** Runs in the page: keeps what the element tells. */
+/** Runs in the page: keeps what the element reports. */
 function watchEvents(): void {
   const names =
     "ready picture settled problem changed lost restored play pause ended gazeconnection headset";
@@ -100,7 +100,7 @@ function watchEvents(): void {
   };
 }
 
-/** Waits until the element told of something, from its `since`th event on. */
+/** Waits until the element reported something, from its `since`th event on. */
 export async function told(page: Page, name: string, since = 0): Promise<unknown> {
   const found = await page.waitForFunction(
     ([wanted, from]) => {

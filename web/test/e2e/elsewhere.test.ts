@@ -1,4 +1,4 @@
-// Does the element work in a page of somebody else, in a headset, and with a gaze from outside?
+// Does the element work in another site's page, in a headset, and with a gaze from outside?
 
 import { execFile } from "node:child_process";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -23,7 +23,7 @@ beforeAll(async () => {
 
 afterAll(() => browser.close());
 
-/** The page of somebody else, in three lines. */
+/** Another site's page, in three lines. */
 const FOREIGN = (site: string): string => `<!doctype html>
 <script type="module" src="${site}foveal-view.js"></script>
 <foveal-view src="${site}sphere.foveal" paused style="width: 400px"></foveal-view>`;
@@ -169,7 +169,7 @@ test("the manifest lists the attributes that the element heeds", async () => {
   }
 });
 
-/** A WebSocket server that sends lines to whoever connects, and hears nothing. */
+/** A WebSocket server that sends lines to any client, and hears nothing. */
 async function gazeServer(line: string): Promise<{ url: string; close: () => void }> {
   const sockets = new Set<Socket>();
   const server = createServer();
@@ -203,7 +203,7 @@ test("a tracker's gaze comes through a WebSocket, and a wrong address is said", 
   const opened = await open(browser, `${host.url}view.html?pack=flat.foveal&gaze=${gaze}`);
   const { page, complaints } = opened;
   try {
-    // An address that somebody sent connects to nothing before one is asked.
+    // A link from someone else connects to nothing before the viewer agrees.
     const question = page.getByText("Take the gaze of an eye tracker");
     await question.waitFor();
     await page.getByRole("button", { name: "Connect" }).click();

@@ -1,4 +1,4 @@
-// Does the npm package tell editors and compilers what the element really is?
+// Does the npm package describe the element to editors and compilers as it is?
 
 import { execFile } from "node:child_process";
 import { mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -25,7 +25,7 @@ interface Declared {
 let folder: string;
 let declared: Declared;
 
-/** Packs the package, and installs it into a folder of somebody else. */
+/** Packs the package, and installs it into a folder of another project. */
 beforeAll(async () => {
   folder = await mkdtemp(join(tmpdir(), "foveal-package-"));
   const at = join(folder, "node_modules/foveal-view");
@@ -117,7 +117,7 @@ test("the manifest lists the events, calls and fields of the element, no others"
   expect(declared.tagName).toBe("foveal-view");
 });
 
-test("the document tells of every attribute, call and event of the manifest", async () => {
+test("the document describes every attribute, call and event of the manifest", async () => {
   const text = await readFile(join(web, "../docs/concepts/browser.md"), "utf8");
   const table = text.slice(text.indexOf("## The element"));
   for (const { name } of [...declared.attributes, ...declared.members, ...declared.events]) {

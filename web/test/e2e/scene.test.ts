@@ -183,7 +183,7 @@ test("only the policies of scenes are offered, and each shows the ring", async (
   });
 });
 
-test("a damaged unit is counted and told, and the coarser one stays", async () => {
+test("a damaged unit is counted and reported, and the coarser one stays", async () => {
   const work = async (opened: Opened): Promise<void> => {
     await told(opened.page, "settled");
     expect((await stats(opened)).damagedTiles).toBeGreaterThan(0);

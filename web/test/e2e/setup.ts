@@ -52,7 +52,7 @@ export default async function setup(project: TestProject): Promise<() => Promise
   ]);
   const site = join(folder, "site");
   await run(program, ["export", "site", flat, sphere, "--out", site]);
-  // Beside those that the site lists.
+  // In addition to those that the site lists.
   await copyFile(round, join(site, "round.foveal"));
   project.provide("browser", browser.wsEndpoint());
   project.provide("site", site);

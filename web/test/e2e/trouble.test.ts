@@ -143,7 +143,7 @@ test("a poster stands until the device has drawn, and time begins with its pictu
     const centre = (await seen(page)).at(0.5, 0.5);
     for (const channel of [0, 1]) expect(Math.abs((centre[channel] ?? 0) - 128)).toBeLessThan(14);
     await worker.evaluate("letGo.device()");
-    // All of the first frame is there, but nobody has seen it.
+    // All of the first frame is there, but it was never shown.
     await told(page, "settled");
     const before = await stats(opened);
     expect([before.playing, before.time, before.firstPicture]).toEqual([true, 0, null]);

@@ -203,7 +203,7 @@ test("a button makes the pointer the eye, and back", async () => {
   await on("view.html?pack=flat.foveal&paused", async (opened) => {
     const { page } = opened;
     await told(page, "settled");
-    const demo = page.getByRole("button", { name: "Demo: the pointer is the eye" });
+    const demo = page.getByRole("button", { name: "Demo: your pointer acts as your gaze" });
     expect(await demo.getAttribute("aria-pressed")).toBe("false");
     await demo.click();
     await expect.poll(async () => (await stats(opened)).policy).toBe("perceptual");
@@ -315,7 +315,7 @@ test("an address says where a view begins, and keeps where one looks", async () 
         return stats?.headDeg[0];
       });
     await expect.poll(yaw).toBeCloseTo(-45, 6);
-    // Back at the front the address says nothing of it.
+    // Back at the front the address does not mention it.
     await page.keyboard.press("0");
     await page.waitForURL((url) => url.search === "?pack=sphere.foveal&paused");
   });
@@ -416,7 +416,7 @@ test("both kinds of content play on, round after round", async () => {
     await on(`view.html?pack=${pack}.foveal&muted`, async (opened) => {
       const { page } = opened;
       await told(page, "picture");
-      // The content lasts two seconds: time that falls has begun anew.
+      // The content lasts two seconds: time that falls has started over.
       let [before, rounds, frames] = [0, 0, 0];
       while (rounds < 1 || frames < 3) {
         const { time, playing, framesShown } = await stats(opened);
@@ -470,7 +470,7 @@ test("sound begins with a key, without a gap, in step with the pictures", async 
       stretches.at(-1)?.push(samples);
       end = at + samples.length / 48_000;
     }
-    // The tone begins anew with every fifth picture, to 5 ms.
+    // The tone starts over with every fifth picture, to 5 ms.
     let beats = 0;
     for (const pieces of stretches) {
       const whole = pieces.flat();
@@ -482,7 +482,7 @@ test("sound begins with a key, without a gap, in step with the pictures", async 
       const count = Math.floor(whole.length / 9600);
       const [begun = 0, ...onsets] = Array.from({ length: count }, (_, at) => loudest(at * 9600));
       for (const onset of onsets) {
-        // The last sample of a beat lies beside the first of the next.
+        // The last sample of a beat is next to the first of the next.
         const away = Math.abs(onset - begun);
         expect(Math.min(away, 9600 - away)).toBeLessThan(240);
       }

@@ -1,7 +1,7 @@
 //! How does a wasm module become something that a page can import?
 //!
 //! `web-bindgen MODULE FOLDER`: wasm-bindgen as a library, of the very version that
-//! `crates/web` is compiled with, so that no tool has to be installed beside.
+//! `crates/web` is compiled with, so that no other tool has to be installed.
 
 use std::process::ExitCode;
 

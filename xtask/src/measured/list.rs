@@ -1,4 +1,4 @@
-//! Which figures do the documents tell, and which command makes each?
+//! Which figures do the documents state, and which command makes each?
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -51,7 +51,7 @@ pub(super) enum Tolerance {
     By(f64),
     /// By this share of itself.
     Share(f64),
-    /// It is a time: it is told, and never too far.
+    /// It is a time: it is reported, and never too far.
     Time,
 }
 

@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn a_machine_path_is_found_on_its_line() {
         for folder in FOLDERS {
-            let text = format!("fine\nsee /{folder}/somebody\n");
+            let text = format!("fine\nsee /{folder}/person\n");
             let findings = check_paths("docs/a.md", &text);
             assert_eq!(findings.len(), 1, "{folder}");
             assert_eq!(findings[0].line, 2);

@@ -1,7 +1,7 @@
 //! Does shipped code read files only by the readers that bound what they read?
 //!
-//! A name that a person gives may lead to a device without an end, or to a pipe that nobody writes
-//! into. So files are opened in few places, which refuse such things.
+//! A name that a person gives may lead to a device without an end, or to a pipe without a
+//! writer. So files are opened in few places, which refuse such things.
 
 use super::Finding;
 use super::source::lexing::{is_word, line_of, places_of, shipped_code};
@@ -59,7 +59,7 @@ fn grouped_uses(code: &str, call: &str) -> Vec<usize> {
 }
 
 /// Whether a line reads a file that stands in it, as `fs::read_to_string("/proc/cpuinfo")`: one of
-/// the system's, which nobody chose.
+/// the system's, at a fixed path.
 fn names_its_file(line: &str, call: &str) -> bool {
     let after = line.split_once(call).map(|(_, after)| after);
     after.is_some_and(|after| after.starts_with("(\"/"))

@@ -55,8 +55,8 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     let old = PackFile::open(&args.pack)?;
     if old.signatures()?.is_none() {
         bail!(
-            "{}: does not tell what its units add, so nothing is chosen for a score; prepare it \
-             anew from its source",
+            "{}: has no signatures, so no levels can be chosen for a score; prepare it again \
+             from its source",
             args.pack.display()
         );
     }

@@ -52,7 +52,7 @@ pub(crate) struct PackInfo {
     faces: u32,
     /// How pixels lie over the faces of a cube.
     mapping: Mapping,
-    /// Whether preparing the same file anew would make it sharper.
+    /// Whether preparing the same file again would make it sharper.
     #[serde(skip)]
     is_softer: bool,
     /// Width and height of a pixel to each other.
@@ -73,9 +73,9 @@ pub(crate) struct PackInfo {
     bit_rates: Vec<u32>,
     pub(crate) bytes: u64,
     bytes_per_level: Vec<u64>,
-    /// What preparing lost; null where nobody measured.
+    /// What preparing lost; null where it was not measured.
     loss: Option<Loss>,
-    /// What the judge found of the content; null where nobody judged it.
+    /// What the judge found of the content; null where it was not calibrated.
     pub(crate) calibration: Option<CalibrationInfo>,
     /// What was mended or left out of the source, by name.
     repairs: BTreeMap<String, u64>,
@@ -148,7 +148,7 @@ struct CalibrationRowInfo {
     bytes: u64,
 }
 
-/// Scores of which `info` tells what they take.
+/// Scores whose share of the pixels `info` shows.
 const TOLD_TARGETS: [f64; 2] = [9.5, 9.0];
 /// Parts of the picture: the whole, then its zones.
 const PARTS: [&str; 4] = ["whole", "under_5_deg", "from_5_to_20_deg", "over_20_deg"];
@@ -187,16 +187,14 @@ impl CalibrationInfo {
                 let share = |rule: Expectation| {
                     let share = self.of.share_at(rule, target, Some(Ppd(ppd)))?;
                     let percent = 100.0 * share.min(1.0);
-                    Some(format!(
-                        "{} {percent:.1} %",
-                        Policy::judged_for(rule).name()
-                    ))
+                    let name = Policy::judged_for(rule).name();
+                    Some(format!("{percent:.1} % ({name})"))
                 };
                 let rules = [Expectation::ByLoss, Expectation::Elsewise];
                 let shares: Vec<String> = rules.into_iter().filter_map(share).collect();
                 let _ = writeln!(
                     text,
-                    "{target} JOD at {ppd:.1} pixels per degree takes of the pixels: {}",
+                    "{target} JOD at {ppd:.1} pixels per degree needs {} of the pixels",
                     shares.join(", ")
                 );
             }
@@ -301,7 +299,7 @@ impl PackInfo {
             );
         }
         if self.is_softer {
-            text += "prepared anew from a sphere this would be sharper: its faces are gnomonic\n";
+            text += "prepared again from a sphere this would be sharper: its faces are gnomonic\n";
         }
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {
             let _ = writeln!(

@@ -97,7 +97,7 @@ pub(crate) struct PrepareVideoArgs {
     out: Option<PathBuf>,
     /// How the picture surrounds the eye; auto goes by metadata, name and size, and says so.
     ///
-    /// The metadata of a photo sphere (GPano) also tell which part of the sphere a picture covers
+    /// The metadata of a photo sphere (GPano) also say which part of the sphere a picture covers
     /// and where north is, which is then forward; any other choice than auto passes them over.
     ///
     /// Without metadata the size of one eye's picture decides, with the words of the name. 360°:
@@ -144,8 +144,8 @@ pub(crate) struct PrepareVideoArgs {
     /// Leave the sound out.
     #[arg(long)]
     no_sound: bool,
-    /// Do not tell how far the finest level is from the source: PSNR, and the score at the worst of
-    /// nine gazes.
+    /// Do not measure how far the finest level is from the source: PSNR, and the score at the worst
+    /// of nine gazes.
     #[arg(long)]
     no_loss: bool,
     /// Test how the score falls as detail is dropped, and store it in the pack: what --target
@@ -164,7 +164,7 @@ pub(crate) struct PrepareVideoArgs {
     /// Stop after this many frames.
     #[arg(long, value_name = "N")]
     frames: Option<u32>,
-    /// Start afresh even if the same preparation was stopped before and could go on.
+    /// Start over even if the same preparation was stopped before and could resume.
     #[arg(long)]
     no_resume: bool,
     /// Replace another pack at --out, which stays until the new one is whole.
@@ -203,8 +203,8 @@ struct Done<'a> {
     pack: &'a PackInfo,
     /// Whether an earlier run had made it, so that nothing was written.
     already_there: bool,
-    /// The share of the pixels that 9.5 JOD takes, and the rule that takes it; null where nobody
-    /// judged the content.
+    /// The share of the pixels that 9.5 JOD needs, and the rule that needs it; null where the
+    /// content was not calibrated.
     target_pixels_share: Option<f64>,
     target_policy: Option<&'static str>,
     /// Seconds that judging it took.
@@ -273,7 +273,7 @@ impl PrepareVideoArgs {
         })
     }
 
-    /// Makes the pack with a progress bar, and says what no plan could tell.
+    /// Makes the pack with a progress bar, and says what no plan could say.
     fn prepare(
         &self,
         (out, claim): (&Path, NameClaim),
@@ -294,8 +294,8 @@ impl PrepareVideoArgs {
         let partial = partial_path(out);
         let prepared = prepared.map_err(|error| match has_begun && partial.exists() {
             true => anyhow!(
-                "{}\n{} and its journal keep what is done: the same command goes on there, and \
-                 with a mended input it starts afresh",
+                "{}\n{} and its journal keep what is done: the same command resumes there, or \
+                 starts over with a repaired input",
                 output::told(&error.into()),
                 partial.display()
             ),
@@ -305,13 +305,13 @@ impl PrepareVideoArgs {
         Ok(calibrate_s)
     }
 
-    /// Tells of a pack; of one that is new, how long judging it took.
+    /// Describes a pack; of one that is new, how long judging it took.
     fn say_done(&self, pack: &PackInfo, new: Option<f64>, text: &str) -> anyhow::Result<()> {
         let calibration = pack.calibration.as_ref();
         let at_target = calibration.and_then(CalibrationInfo::at_default_target);
         let text = match at_target {
             Some((policy, share)) => format!(
-                "{}\n{DEFAULT_TARGET} JOD against the finest level takes {:.1} % of the pixels of \
+                "{}\n{DEFAULT_TARGET} JOD against the finest level needs {:.1} % of the pixels of \
                  this content, by {policy}",
                 text.trim_end(),
                 100.0 * share.min(1.0)
@@ -453,10 +453,10 @@ impl Witness for Guide<'_> {
             return None;
         }
         let loss = loss_of(input, pack, self.plan, self.jobs);
-        // The pack is good, whatever cannot be told of it.
+        // The pack is good, even where its loss cannot be measured.
         loss.unwrap_or_else(|error| {
             let why = output::told(&error);
-            let text = format!("what preparing lost cannot be told: {why}");
+            let text = format!("what preparing lost cannot be measured: {why}");
             warn(input, &[text]);
             None
         })

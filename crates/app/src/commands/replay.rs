@@ -22,7 +22,7 @@ pub(crate) struct ReplayArgs {
     /// The session.jsonl that simulate wrote, or what view --log did.
     log: PathBuf,
     /// The pack that was played; needed for scenes, and where the policy weighed units of video
-    /// (default: the one that the log names, beside the log, a folder above it, or here).
+    /// (default: the one that the log names, next to the log, a folder above it, or here).
     #[arg(long, value_name = "PACK")]
     pack: Option<PathBuf>,
     /// Print one JSON object.
@@ -107,9 +107,9 @@ fn replay_video(log: &SessionLog, path: &Path, pack: Option<&Path>) -> anyhow::R
 }
 
 /// Where a pack was looked for and is not.
-const NOWHERE: &str = "not beside the log, a folder above it, or here";
+const NOWHERE: &str = "not next to the log, a folder above it, or here";
 
-/// The pack that a log names: beside it, a folder above, or where the program was started.
+/// The pack that a log names: next to it, a folder above, or where the program was started.
 fn pack_beside(log: &Path, name: &str) -> Option<PathBuf> {
     // A name with a folder in it is no name that a log has.
     let name = Path::new(name).file_name().filter(|only| *only == name)?;

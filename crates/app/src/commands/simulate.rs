@@ -74,7 +74,7 @@ pub(crate) struct RunSummary {
     pub(crate) detail_share_mean: Option<f64>,
     /// The score that levels were chosen for, in JOD; null without one.
     pub(crate) target: Option<f64>,
-    /// The score against every finest tile that signatures foretell, in JOD; null for packs
+    /// The score against every finest tile that signatures predict, in JOD; null for packs
     /// without, and under a link.
     pub(crate) expected_jod: Option<f64>,
     /// Whether buying stopped because the target was reached; null without a link or a target.
@@ -87,7 +87,7 @@ pub(crate) struct RunSummary {
     pub(crate) gpu_share_of_floats: f64,
     pub(crate) decoded_on: DeviceReport,
     pub(crate) log_sha256: String,
-    /// How good it looked beside the full picture, where somebody asked; on panels that of the
+    /// How good it looked compared with the full picture, where asked for; on panels that of the
     /// lowest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) score: Option<ScoreReport>,
@@ -166,13 +166,13 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::result(args.json, &summary, &summary.text(&args.out))
 }
 
-/// Begins the log: should a run be interrupted, it tells in which folders its pictures lie.
+/// Begins the log: should a run be interrupted, it says in which folders its pictures lie.
 fn begin_log(player: &Player, out: &Path) -> anyhow::Result<()> {
     let begun = session(player, &[]).write();
     output::write_whole(&out.join(LOG), begun.as_bytes())
 }
 
-/// Says where the eye looks beside flat content.
+/// Says where the eye looks outside flat content.
 fn tell_outside(reports: &[FrameReport], surface: &Surface) {
     if surface.projection != Projection::Flat || surface.slant.is_some() {
         return;

@@ -1,7 +1,7 @@
-//! How good is what the eye got, beside the full picture?
+//! How good is what the eye got, compared with the full picture?
 //!
 //! A second player shows every finest tile to the same eye; the judge knows where it truly looked,
-//! whatever the system was told.
+//! whatever the system received.
 
 use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, ModeName, ScoreReport, display_named,
@@ -36,7 +36,7 @@ pub(crate) struct ScoringOptions {
     score_mode: ModeName,
 }
 
-/// What is played beside a run.
+/// What is played together with a run.
 pub(crate) struct Baseline<'a> {
     pub(crate) file: &'a Arc<PackFile>,
     /// What shows the picture, while the head looks ahead: at least one view.
@@ -67,7 +67,7 @@ struct ViewJudge {
 pub(crate) struct RunScores {
     /// The score of each view.
     pub(crate) jods: Vec<f64>,
-    /// What is told of the view that has the lowest.
+    /// What is reported of the view that has the lowest.
     pub(crate) lowest: ScoreReport,
 }
 
@@ -183,7 +183,7 @@ impl RunScoring {
 }
 
 impl RunScores {
-    /// The scores of views, each told of by itself.
+    /// The scores of views, each reported by itself.
     pub(crate) fn of(reports: Vec<ScoreReport>) -> anyhow::Result<Self> {
         let jods = reports.iter().map(|report| report.jod).collect();
         let lowest = reports.into_iter().min_by(|a, b| a.jod.total_cmp(&b.jod));

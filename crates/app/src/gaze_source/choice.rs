@@ -23,7 +23,7 @@ pub(crate) enum GazeChoice {
     Table(PathBuf, TrackerForm),
     /// The head of a recorded trace.
     Head(PathBuf),
-    /// Whoever sends now.
+    /// The present sender.
     Live(LiveChoice),
 }
 

@@ -11,7 +11,7 @@ use tungstenite::http::Uri;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-/// Longest wait for a message, so that whoever waits can see that it should stop.
+/// Longest wait for a message, so that a waiting thread can see that it should stop.
 const POLL: Duration = Duration::from_millis(20);
 /// Largest message: what a datagram can hold.
 const MOST_BYTES: usize = 65_536;
@@ -233,7 +233,7 @@ fn addresses_of(host: &str, port: u16) -> anyhow::Result<Vec<SocketAddr>> {
         .name("address".to_owned())
         .spawn(move || {
             let found = (host.as_str(), port).to_socket_addrs();
-            // Nobody may be waiting any more.
+            // The receiver may be gone.
             let _ = send.send(found.map(Iterator::collect));
         })?;
     let found = receive.recv_timeout(ANSWER);

@@ -17,11 +17,11 @@ pub(crate) struct Counts {
     pub(crate) skipped: u64,
     /// Records that came after newer ones.
     pub(crate) late: u64,
-    /// Rows that nobody fetched in time.
+    /// Rows that were not fetched in time.
     pub(crate) dropped: u64,
     /// Messages of others than the sender who holds the source.
     pub(crate) foreign: u64,
-    /// How often the sender's clock began anew.
+    /// How often the sender's clock restarted.
     pub(crate) anew: u64,
     /// Records that were dated by their arrival, since the sender's clock leaps or stands.
     pub(crate) untimed: u64,
@@ -145,7 +145,7 @@ fn flatten(packet: OscPacket, messages: &mut Vec<OscMessage>) {
     }
 }
 
-/// An argument as a number; no number is none that a direction may have.
+/// An argument as a number; anything else becomes no direction.
 fn number(argument: &OscType) -> f64 {
     match argument {
         OscType::Float(value) => f64::from(*value),

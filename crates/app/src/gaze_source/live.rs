@@ -1,7 +1,7 @@
 //! What does a sender say right now?
 //!
-//! One thread receives; whoever needs a gaze takes what came. The queue between them is bounded:
-//! who does not take in time loses the oldest rows, and they are counted.
+//! One thread receives; others take what came when they need a gaze. The queue between them is
+//! bounded: a reader that is late loses the oldest rows, and they are counted.
 
 use crate::gaze_source::choice::LiveChoice;
 use crate::gaze_source::feed::{GazeFeed, Received};
@@ -140,7 +140,7 @@ impl Drop for Live {
             } = counts;
             say(&format!(
                 "warning: {}: skipped {} without a gaze, {foreign} of other senders, {late} that \
-                 came after newer ones, and {} that nobody took in time; its clock began anew {}, \
+                 came after newer ones, and {} not taken in time; its clock restarted {}, \
                  and {} were dated by their arrival",
                 self.name,
                 counted(skipped, "message"),

@@ -118,7 +118,7 @@ impl GazeSource {
 
     /// The viewer when a picture is shown at `time`; times must not decrease. On flat content the
     /// head stays before the screen; on 360° content a head that was not recorded follows the gaze.
-    /// A live source tells what is known when it is asked.
+    /// A live source gives what is known when it is asked.
     pub(crate) fn look(&mut self, time: Seconds) -> Look {
         self.watch(Seconds(time.0 - self.late.0));
         let asked = match &self.path {
@@ -145,7 +145,7 @@ impl GazeSource {
         };
         let gaze = GazeSample { time, ..gaze };
         let head = self.head_at(&gaze, time);
-        // Without delay the prediction equals the sample, where the source tells of eyes.
+        // Without delay the prediction equals the sample, where the source reports eyes.
         let tells_eyes = !matches!(self.path, GazePath::Head(_));
         let seen = gaze.valid && tells_eyes && self.late.0 == 0.0;
         if seen {

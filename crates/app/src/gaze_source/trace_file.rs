@@ -1,4 +1,4 @@
-//! What does a file tell of eyes and head?
+//! What does a file record about eyes and head?
 //!
 //! One reader, whichever command asks: a trace, or a recording as published with Hu et al. 2019.
 
@@ -20,7 +20,7 @@ pub(crate) enum GazeFile {
     Recording(HeadRecording),
 }
 
-/// Which of them a file is taken for where its header tells nothing.
+/// Which of them a file counts as where its header says nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GazeForm {
     Trace,

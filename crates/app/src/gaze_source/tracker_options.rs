@@ -82,7 +82,7 @@ fn unit_named(text: &str) -> Option<f64> {
         .find_map(|(name, seconds)| (*name == text).then_some(*seconds))
 }
 
-/// The unit that the name of a column ends in, as `time_ms` or `Time [ms]`; seconds where it tells
+/// The unit that the name of a column ends in, as `time_ms` or `Time [ms]`; seconds where it has
 /// none.
 fn unit_in(name: &str) -> f64 {
     let mut words = name.rsplit(|c: char| !c.is_alphanumeric());

@@ -1,4 +1,4 @@
-//! What is taken for granted about a viewer?
+//! What is assumed about a viewer?
 
 use crate::report::output::read_settings;
 use anyhow::{Context, bail};
@@ -16,7 +16,7 @@ pub(crate) struct ViewerModel {
 }
 
 impl Default for ViewerModel {
-    /// Somebody who looks around freely, watched without delay.
+    /// A viewer who looks around freely, watched without delay.
     fn default() -> Self {
         Self {
             preset: HeadGazePreset::free_viewing(),

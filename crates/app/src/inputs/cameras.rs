@@ -20,7 +20,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "a word in the name: `pano`, `sphere`, `360`, ..",
             outcome: Remarked,
-            told: "believed as a whole word: `atmosphere` is none",
+            told: "believed as a whole word: `atmosphere` does not match",
         },
         Finding {
             found: "GoPro's `.360`",
@@ -33,7 +33,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "with the command that converts it",
         },
         Finding {
-            found: "two fisheyes beside each other, by their look",
+            found: "two fisheyes side by side, by their look",
             outcome: Refused,
             told: "with the command that converts it",
         },

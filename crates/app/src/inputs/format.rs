@@ -16,7 +16,7 @@ pub(crate) struct Format {
 pub(crate) struct Finding {
     pub found: &'static str,
     pub outcome: Outcome,
-    /// What is shown instead, and the words or the name in `repairs` that tell of it.
+    /// What is shown instead, and the words or the name in `repairs` that report it.
     pub told: &'static str,
 }
 
@@ -30,7 +30,7 @@ pub(crate) enum Outcome {
     Mended,
     /// Shown as far as it can be, with a remark.
     Remarked,
-    /// An error: there is nothing to show, or nobody can know what is right.
+    /// An error: there is nothing to show, or what is right cannot be known.
     Refused,
 }
 

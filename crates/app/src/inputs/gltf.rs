@@ -35,14 +35,14 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "a buffer or picture named as on another machine (`C:\\..`, `../`, other \
                     capitals)",
             outcome: Mended,
-            told: "the file of that name beside the model is taken: \
+            told: "the file of that name next to the model is used: \
                    `repairs.files_found_elsewhere`, `repairs.files_found_by_case`, with a remark",
         },
         Finding {
             found: "colours of vertices in whole numbers that are not said to be normalised, or \
                     real ones up to 255",
             outcome: Mended,
-            told: "the largest code is taken for all light, `repairs.colours_not_normalised`",
+            told: "the largest code counts as full light, `repairs.colours_not_normalised`",
         },
         Finding {
             found: "`KHR_materials_pbrSpecularGlossiness`",
@@ -122,7 +122,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "no part that can be read; extensions that must be understood and may change \
                     shapes",
             outcome: Refused,
-            told: "nobody can know what is right",
+            told: "what is right cannot be known",
         },
         Finding {
             found: "no triangle and no point",

@@ -84,7 +84,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "colours of vertices from 0 to 255",
                 outcome: Mended,
-                told: "the largest code is taken for all light, `colours_rescaled`",
+                told: "the largest code counts as full light, `colours_rescaled`",
             },
             Finding {
                 found: "triangles so far from all others that the grid of the mesh would have no \
@@ -95,7 +95,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "`Kd 128 64 200`; a `Kd` beyond 1",
                 outcome: Mended,
-                told: "255 is taken for all light, `colours_rescaled`; cut, `colours_cut`",
+                told: "255 counts as full light, `colours_rescaled`; cut, `colours_cut`",
             },
             Finding {
                 found: "`map_Ka` without `map_Kd`; `Kd 0 0 0` with `Ke`",
@@ -112,7 +112,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "`mtllib` and `map_Kd` with the folders of another machine",
                 outcome: Mended,
-                told: "the file of that name beside the model, as of [textures](#textures); \
+                told: "the file of that name next to the model, as of [textures](#textures); \
                        without one the shape comes in its colour",
             },
             Finding {
@@ -144,7 +144,7 @@ const PLY: &[Finding] = &[
         found: "colours of vertices from 0 to 255 as `int`, `float` or `double`, or of another \
                 depth than their numbers",
         outcome: Mended,
-        told: "the largest code is taken for all light, `colours_rescaled`",
+        told: "the largest code counts as full light, `colours_rescaled`",
     },
     Finding {
         found: "colours of faces",

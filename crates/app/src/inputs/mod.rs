@@ -35,13 +35,13 @@ pub(crate) fn all() -> impl Iterator<Item = &'static Format> {
 pub(crate) fn markdown() -> String {
     let mut text = "# Inputs\n\n\
         What is read of each format, and how irregular files are handled. *Mended* is \
-        counted by name in `repairs`, *remarked* is told in `remarks`; `prepare` and `info` show \
+        counted by name in `repairs`, *remarked* is listed in `remarks`; `prepare` and `info` show \
         both. `foveal prepare formats` prints this page.\n"
         .to_owned();
     for format in all() {
         let _ = write!(text, "\n## {}\n\n{}\n", format.name, format.read);
         if !format.rows.is_empty() {
-            text += "\n| found | | what is shown, and told |\n|---|---|---|\n";
+            text += "\n| found | | what is shown and reported |\n|---|---|---|\n";
         }
         for row in format.rows {
             let _ = writeln!(

@@ -20,7 +20,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "colours of 10 or 12 bits",
                 outcome: Mended,
-                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+                told: "the largest code counts as full light, `repairs.colours_rescaled`",
             },
             Finding {
                 found: FAR_POINTS,
@@ -81,7 +81,7 @@ pub(super) const FORMATS: &[Format] = &[
                 found: "colours from 0 to 255 as `int`, `uint`, `ushort`, `float` or `double`, \
                         from 0 to 1 as `uchar`, of 10 or 12 bits",
                 outcome: Mended,
-                told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+                told: "the largest code counts as full light, `repairs.colours_rescaled`",
             },
             Finding {
                 found: "`rgb` or `rgba` packed into one `float` or `uint`, as PCL writes them",

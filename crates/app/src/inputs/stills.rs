@@ -33,7 +33,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "a film, each picture for its time, the last one too",
         },
         Finding {
-            found: "GIF or APNG that ends within a picture, or lacks pictures that it tells of",
+            found: "GIF or APNG that ends within a picture, or lacks pictures that it announces",
             outcome: Mended,
             told: "the pictures that are whole, `repairs.cut_short`",
         },
@@ -50,7 +50,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "a file that is cut within the picture",
             outcome: Refused,
-            told: "nobody knows what is missing",
+            told: "what is missing is unknown",
         },
     ],
 }];

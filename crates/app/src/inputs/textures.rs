@@ -35,7 +35,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "quotes, `%20`, other capitals, and the folders of another machine in names",
             outcome: Mended,
-            told: "the file of that name beside the model, or in `textures` or the like there: \
+            told: "the file of that name next to the model, or in `textures` or the like there: \
                    `repairs.files_found_elsewhere`, `repairs.files_found_by_case`",
         },
         Finding {

@@ -34,8 +34,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         },
         Finding {
             found: "other bytes in the place of coded data of HEVC, VP8, VP9, AV1 or HuffYUV that \
-                    decode all the same, where no checksum tells; a bare stream (`.h264`, `.hevc`) \
-                    that lacks whole pictures or ends in one of HEVC",
+                    decode all the same, where no checksum shows it; a bare stream (`.h264`, \
+                    `.hevc`) that lacks whole pictures or ends in one of HEVC",
             outcome: Read,
             told: "as the decoder takes it, without a word: nothing in the file shows it",
         },
@@ -50,7 +50,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "the rate is that of most frames of the index",
         },
         Finding {
-            found: "an end before the one that the container tells; within a frame (Y4M) or a \
+            found: "an end before the one that the container gives; within a frame (Y4M) or a \
                     packet (transport streams)",
             outcome: Mended,
             told: "shown up to there, `repairs.cut_short`",
@@ -96,7 +96,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "pixels that are not square, by the stream or by the container alone",
             outcome: Read,
-            told: "shown in their shape, told in `pixel_aspect`; beyond 8:1 passed over",
+            told: "shown in their shape, listed in `pixel_aspect`; beyond 8:1 passed over",
         },
         Finding {
             found: "pixels whose shape changes",

@@ -28,7 +28,7 @@ impl HoldOptions {
     }
 }
 
-/// Why `--hold` is not taken for something that moves.
+/// Why `--hold` does not apply to something that moves.
 pub(crate) fn moves(what: &str) -> WrongUsage {
     WrongUsage(format!(
         "--hold is for what never moves, and this is {what}; leave it out"

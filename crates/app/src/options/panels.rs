@@ -21,7 +21,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PanelsOptions {
     /// Show it on the panels of a rig, in the place of a view: TOML or JSON, as
-    /// docs/formats/panels.md tells. They turn with the head, and together get what any of them
+    /// docs/formats/panels.md describes. They turn with the head, and together get what any of them
     /// shows.
     #[arg(long, value_name = "RIG", conflicts_with_all = ["view", "fov", "screen"])]
     pub(crate) panels: Option<PathBuf>,
@@ -56,7 +56,7 @@ pub(crate) struct NamedPanel {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct PlayedPanel {
     id: String,
-    /// How good it looked beside the full picture, where somebody asked.
+    /// How good it looked compared with the full picture, where asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     jod: Option<f64>,
 }

@@ -52,9 +52,9 @@ pub(crate) enum EdgeRuleName {
 /// Which rule chooses levels.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PolicyOptions {
-    /// How levels are chosen (default: auto; perceptual with --link; acuity where a pack does not
-    /// tell what its units add, for a scene where nothing limits bytes, and with --acuity, --slope
-    /// or --safety-disc; or the preset's).
+    /// How levels are chosen (default: auto; perceptual with --link; acuity for a pack without
+    /// signatures, for a scene where nothing limits bytes, and with --acuity, --slope or
+    /// --safety-disc; or the preset's).
     #[arg(long, value_parser = policy_choice_parser())]
     policy: Option<PolicyChoice>,
     /// The score in JOD that what is shown is expected to keep against every finest tile, 1 to
@@ -65,11 +65,11 @@ pub(crate) struct PolicyOptions {
     target: Option<TargetChoice>,
     /// The eye of the acuity policy: linear (1/60° + --slope x eccentricity; the default), watson
     /// (Watson 2014, corrected), watson-paper (as Chen et al. 2022 print it), or measurements: CSV
-    /// with ecc_deg and mar_deg or mar_arcmin, the smallest pixel that is told apart. Measurements
-    /// also limit what the eye resolves under perceptual and eccentricity.
+    /// with ecc_deg and mar_deg or mar_arcmin, the smallest pixel that can be resolved.
+    /// Measurements also limit what the eye resolves under perceptual and eccentricity.
     #[arg(long, value_name = "NAME|FILE.csv", value_parser = parse_acuity)]
     acuity: Option<AcuityChoice>,
-    /// The linear eye: degrees by which the smallest pixel that it tells apart grows with each
+    /// The linear eye: degrees by which the smallest pixel that it resolves grows with each
     /// degree of eccentricity; a slope of a cycle, two pixels, is twice as large (default: what
     /// --target takes; 0.022 for distance and sampled).
     #[arg(long, value_name = "SLOPE", allow_negative_numbers = true)]
@@ -137,13 +137,13 @@ pub(crate) struct PolicyOptions {
     /// perceptual with a link: fetch what is salient outside the region that gaze predicts.
     #[arg(long, value_enum, default_value = "off")]
     saliency: Switch,
-    /// perceptual on scenes: what tells the worth of units; rendered draws every level for each
+    /// perceptual on scenes: how the worth of units is found; rendered draws every level for each
     /// choice.
     #[arg(long, value_enum, default_value = "signatures")]
     importance: ImportanceName,
 }
 
-/// What tells how much an eye gets of the units of a scene.
+/// How much an eye gets from the units of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ImportanceName {
     /// What was measured while preparing.
@@ -210,7 +210,7 @@ pub(crate) enum Switch {
 
 /// Longest side of a sample mask: as of a view.
 const MOST_MASK_SIDE: u32 = 4096;
-/// Most that a mean variance of 8-bit colours is told to be in a pack.
+/// Largest mean variance of 8-bit colours in a pack.
 const MOST_VARIANCE: f64 = 16_384.0;
 
 impl PolicyOptions {
@@ -236,8 +236,8 @@ impl PolicyOptions {
         }
     }
 
-    /// The same where these panels show it and nobody said how: what many people look at at once
-    /// is as fine everywhere as its pixels can show.
+    /// The same where these panels show it and no policy was named: what many people look at at
+    /// once is as fine everywhere as its pixels can show.
     pub(crate) fn seen_by_many(&self, panels: &[Panel]) -> Self {
         let is_usual = self.named().is_none() && self.policy() == Policy::Perceptual;
         match is_usual && panels.iter().all(|panel| panel.is_for_both) {
@@ -246,7 +246,7 @@ impl PolicyOptions {
         }
     }
 
-    /// Refuses a score for a scene that units are bought for: nothing tells what score they make.
+    /// Refuses a score for a scene that units are bought for: the score they make is unknown.
     pub(crate) fn refuse_score_of_scene(&self, policy: Policy) -> anyhow::Result<()> {
         if policy.spends_a_budget() && matches!(self.target, Some(TargetChoice::Jod(_))) {
             bail!(WrongUsage(format!(

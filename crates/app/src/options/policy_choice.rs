@@ -13,7 +13,7 @@ pub(crate) fn policy_parser() -> impl TypedValueParser<Value = Policy> {
 /// The value of `--policy`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PolicyChoice {
-    /// The rule that shows fewer pixels at the target, as far as a pack tells.
+    /// The rule that shows fewer pixels at the target, as far as a pack knows.
     Auto,
     Is(Policy),
 }
@@ -33,8 +33,8 @@ pub(crate) fn policy_choice_parser() -> impl TypedValueParser<Value = PolicyChoi
     const AUTO: &str = "auto";
     let value = |policy: Policy| PossibleValue::new(policy.name()).help(policy.facts().help);
     let auto = PossibleValue::new(AUTO).help(
-        "whichever of perceptual and acuity shows fewer pixels of this content at the target, as \
-         its pack tells",
+        "whichever of perceptual and acuity shows fewer pixels of this content at the target, by \
+         its calibration",
     );
     let names = [auto].into_iter().chain(Policy::ALL.map(value));
     PossibleValuesParser::new(names).try_map(|name| match name == AUTO {

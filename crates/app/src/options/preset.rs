@@ -108,7 +108,7 @@ impl SystemPreset {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PlayPresets {
     /// How gaze follows the head: free-viewing (default), search or a file that `gaze fit head`
-    /// wrote; or, beside that, a published system to choose as: kastner-2016.
+    /// wrote; or, in addition, a published system to choose as: kastner-2016.
     #[arg(long, value_name = "NAME|FILE.toml")]
     preset: Vec<String>,
 }

@@ -80,7 +80,7 @@ impl ShowingOptions {
         self.reconstruction == Reconstruction::Textures
     }
 
-    /// What was asked for; `interpolation` where nobody said.
+    /// What was asked for; `interpolation` by default.
     pub(crate) fn showing(&self, interpolation: InterpolationName) -> TileStyle {
         TileStyle {
             has_textures: self.has_textures(),

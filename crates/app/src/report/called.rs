@@ -16,8 +16,8 @@ pub(crate) struct Called {
 
 static CALLED: OnceLock<Called> = OnceLock::new();
 
-/// Reads the command line of this process; `program` tells which commands there are. To be called
-/// once, before anything is told.
+/// Reads the command line of this process; `program` lists the commands. To be called once, before
+/// anything is reported.
 pub(crate) fn read_command_line(program: &clap::Command) {
     CALLED.get_or_init(|| Called::with(program, std::env::args_os().skip(1)));
 }

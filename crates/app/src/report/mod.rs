@@ -1,4 +1,4 @@
-//! How results and failures are told: text, JSON, pictures, plots.
+//! How results and failures are reported: text, JSON, pictures, plots.
 
 pub(crate) mod called;
 pub(crate) mod colour_ramp;

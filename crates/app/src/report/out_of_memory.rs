@@ -1,10 +1,10 @@
-//! How is it told that there is no memory left, without any?
+//! How is running out of memory reported, without any memory?
 
 use crate::report::called::json_asked;
 use crate::report::output::has_printed;
 use std::io::Write;
 
-/// Longest line that is told, in bytes.
+/// Longest line that is printed, in bytes.
 const MOST_BYTES: usize = 320;
 
 /// What can be done about it.
@@ -56,7 +56,7 @@ impl Line {
     #[cfg(unix)]
     fn send(&self, to: i32) {
         #[allow(unsafe_code, reason = "a call of C")]
-        // SAFETY: the bytes are there, and so many; where it fails, nobody listens.
+        // SAFETY: the bytes are there, and so many; where it fails, stderr is closed.
         unsafe {
             libc::write(to, self.bytes.as_ptr().cast(), self.length);
         }

@@ -1,4 +1,4 @@
-//! How do results and failures reach whoever called?
+//! How do results and failures reach the caller?
 //!
 //! Results go to stdout: text for people, or with `--json` exactly one JSON object, also of a
 //! failure (docs/formats/results.md). Everything else goes to stderr.
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether a result was printed; a failure after it is told on stderr alone.
+/// Whether a result was printed; a failure after it is reported on stderr alone.
 static PRINTED: AtomicBool = AtomicBool::new(false);
 
 /// Whether a result was printed.
@@ -38,7 +38,7 @@ pub(crate) fn result(json: bool, result: &impl Serialize, text: &str) -> anyhow:
     };
     PRINTED.store(true, Ordering::Relaxed);
     match writeln!(std::io::stdout(), "{line}") {
-        // Whoever reads has seen enough (`foveal info | head`).
+        // The reader has seen enough (`foveal info | head`).
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         done => done.context("stdout cannot be written; the work itself is done"),
     }
@@ -119,12 +119,12 @@ fn print_fault(fault: &Fault) {
         error: &'a Fault,
     }
     if called().json && !PRINTED.load(Ordering::Relaxed) {
-        // Where stdout takes nothing, stderr has told it.
+        // Where stdout takes nothing, stderr has it.
         let _ = result(true, &Failed { error: fault }, "");
     }
 }
 
-/// A line for people on stderr; nobody may be listening.
+/// A line for people on stderr; it may be closed.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", visible(&bounded(line)));
 }
@@ -167,7 +167,7 @@ pub(crate) fn read_settings(path: &Path, what: &str) -> anyhow::Result<String> {
 }
 
 /// Opens the file that a person named; `what` it should be goes into the message. A pipe, which
-/// nobody may ever write into, is refused.
+/// may never get a writer, is refused.
 pub(crate) fn open_file(path: &Path, what: &str) -> anyhow::Result<File> {
     let missing = || format!("{}: no {what} there", path.display());
     let as_csv = format!("a {what}, as CSV");

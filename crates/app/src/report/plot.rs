@@ -98,7 +98,7 @@ pub(crate) fn stack(title: &str, run: &PlottedRun<'_>, layers: &[Layer]) -> Stri
     svg + "</svg>"
 }
 
-/// Style of a plot that is a file: dark on white, colours that most colour-blind eyes tell apart.
+/// Style of a plot that is a file: dark on white, colours that most colour-blind eyes distinguish.
 const FILE_STYLE: &str = "text{font:11.5px system-ui,sans-serif;fill:#4a5058}\
     .label{font-weight:600}.grid{stroke:#dddfe2}\
     .line{fill:none;stroke-width:2;stroke-linejoin:round}";

@@ -1,4 +1,4 @@
-//! How is a person told what was mended of a source, and what else there is to know of it?
+//! How are repairs and remarks about a source reported?
 
 use foveal_core::units::one_line;
 use std::collections::BTreeMap;

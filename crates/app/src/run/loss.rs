@@ -1,7 +1,7 @@
 //! How far is the finest level of a pack from its source, to an eye that looks there?
 //!
 //! Nine gazes, each in a view of about a pixel of the source a pixel; frames are judged as stills.
-//! The pack is drawn by the CPU twin and what is told is rounded, so that packs do not depend on
+//! The pack is drawn by the CPU twin and figures are rounded, so that packs do not depend on
 //! machine and threads.
 
 use crate::commands::score::{display_of_view, picture_of};

@@ -3,7 +3,7 @@
 use foveal_core::view::panel::rig::{Panel, Scanout};
 use foveal_render::warp::PanelOptics;
 
-/// Pixels of the pictures that are sampled anew between what is drawn and what these panels show:
+/// Pixels of the pictures that are resampled between what is drawn and what these panels show:
 /// of bent ones the flat view in which everything lies that they show.
 pub(crate) fn intermediate_pixels(panels: &[Panel]) -> u64 {
     let bent = panels.iter().filter(|panel| !panel.distortion.is_none());

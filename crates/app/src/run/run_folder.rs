@@ -58,7 +58,7 @@ pub(crate) fn make_room(out: &Path, panels: &[&str], inputs: &[&Path]) -> anyhow
         return Ok(());
     }
     output::say(&format!(
-        "{}: holds an older run of {}, which is written over",
+        "{}: overwriting an earlier run of {}",
         out.display(),
         counted(files.len(), "file")
     ));
@@ -129,7 +129,7 @@ fn is_of_run(name: &str) -> bool {
     [LOG, TABLE, VIDEO].contains(&name) || number.is_some_and(is_number)
 }
 
-/// The panels that a log names, as folders beside it.
+/// The panels that a log names, as folders next to it.
 fn panels_of(log: &Path) -> Vec<String> {
     #[derive(serde::Deserialize)]
     struct Head {

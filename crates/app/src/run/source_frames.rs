@@ -149,7 +149,7 @@ fn reading_like(source: &Path, about: &Description) -> anyhow::Result<ReadOption
 fn is_of(info: &SourceInfo, about: &Description) -> bool {
     let rate = rate_of(info) / about.fps();
     let same_file = info.bytes == about.source.bytes;
-    // What containers tell of their length is an estimate.
+    // The length that containers give is an estimate.
     let as_long = info.frames.is_none_or(|frames| {
         let pack = u64::from(about.frames);
         frames + 1 >= pack && (same_file || frames <= pack + 1)
@@ -157,7 +157,7 @@ fn is_of(info: &SourceInfo, about: &Description) -> bool {
     [info.width, info.height] == about.source.size && (rate - 1.0).abs() < RATE_TOLERANCE && as_long
 }
 
-/// The preparation that makes faces like those of a pack, which does not tell how the video
+/// The preparation that makes faces like those of a pack, which does not say how the video
 /// surrounds the eyes; none where no projection does. Faces of another size are those of another
 /// way to make them.
 fn plan_like(

@@ -1,6 +1,6 @@
 //! Is what a player refuses refused by `verify` too, and does one bad unit cost that unit alone?
 //!
-//! Packs are altered and sealed again, so that no checksum tells.
+//! Packs are altered and sealed again, so that no checksum shows it.
 
 use crate::support::{Folder, foveal, json_of};
 use foveal_core::content::mesh::payload::ClusterRef;
@@ -70,7 +70,7 @@ impl Parts {
         }
     }
 
-    /// The pack, if parts like these can be told at all. It is not read back: what it is to be
+    /// The pack, if parts like these can be written at all. It is not read back: what it is to be
     /// refused for is in it.
     fn write(&self, path: &str) -> bool {
         let mut builder = begin_scene(&self.about);
@@ -145,7 +145,7 @@ fn cloud() -> String {
 /// What two commands make of a pack.
 #[derive(Debug)]
 struct Made {
-    /// Places that `verify` tells; `None` where it cannot be opened.
+    /// Places that `verify` lists; `None` where it cannot be opened.
     damage: Option<u64>,
     /// Units that a player could not show; or why it ended.
     played: Result<u64, String>,
@@ -205,7 +205,7 @@ impl Dice {
     }
 }
 
-/// Alters one thing that is told of the scene; tells what.
+/// Alters one thing in the scene's description; returns what.
 fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
     const NUMBERS: [f64; 7] = [0.0, -1.0, 1e-300, 1e9, 1e15, -1e15, 0.5];
     let number = NUMBERS[dice.below(NUMBERS.len())];
@@ -246,7 +246,7 @@ fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
     format!("description of object {at}, {what}, {number}")
 }
 
-/// Alters one thing; tells what.
+/// Alters one thing; returns what.
 fn alter(parts: &mut Parts, dice: &mut Dice) -> String {
     if dice.below(4) == 0 {
         return alter_description(&mut parts.about, dice);

@@ -114,7 +114,7 @@ impl Parts {
             index_bytes: 0,
             ..self.header
         };
-        // As many bytes as the index of these units takes are what is told when others are given.
+        // The message names the bytes that the index of these units takes when others are given.
         let refused = VideoPack::begin(&header, &description).unwrap_err();
         header.index_bytes = refused.expected.split(' ').next().unwrap().parse().unwrap();
         header.file_bytes = header.index_offset + header.index_bytes;

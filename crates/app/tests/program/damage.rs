@@ -1,4 +1,4 @@
-//! Is damage to a pack always told, and never fatal to the program?
+//! Is damage to a pack always reported, and never fatal to the program?
 
 use crate::scenes::{noise, waves, write_clip};
 use crate::support::{Folder, done, finish, foveal, has_dev_full, json, json_of, refused};

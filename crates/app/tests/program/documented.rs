@@ -13,8 +13,8 @@ pub(crate) struct Shown {
     pub(crate) is_whole: bool,
 }
 
-/// Commands of README and of everything in `docs` and `examples` but decisions, which tell what was
-/// run on their day.
+/// Commands of README and of everything in `docs` and `examples` but decisions, which record what
+/// was run on their day.
 pub(crate) fn of_documents() -> Vec<Shown> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut files = vec![root.join("README.md")];

@@ -9,7 +9,7 @@ use std::process::Command;
 /// Frames of a long clip of small pictures.
 const MANY: u32 = 10_000;
 
-/// A picture of one grey that tells its frame.
+/// A picture of one grey that identifies its frame.
 fn grey(frame: u32) -> Picture {
     let code = 40 + (frame * 7 % 160) as u8;
     picture([64, 64], |p, _, _| if p == 0 { code } else { 128 })

@@ -69,7 +69,7 @@ impl Running {
     }
 }
 
-/// A `gaze record` that runs until it is told to stop.
+/// A `gaze record` that runs until it is stopped.
 pub(crate) struct Recording {
     running: Running,
     out: String,
@@ -281,13 +281,13 @@ fn a_sender_that_stops_loses_the_eye_and_is_taken_up_again() {
     recording.wait(|text| text.lines().any(|line| line.split(',').nth(4) == Some("0")));
     // Another sender is left out while the first may go on.
     send_all(&address, &[r#"{"t_s":900,"yaw_deg":55,"pitch_deg":0}"#]);
-    // The sender was started again, from another port: its clock begins anew.
+    // The sender was started again, from another port: its clock restarts.
     std::thread::sleep(Duration::from_millis(1100));
     let again = r#"{"t_s":0.5,"yaw_deg":77,"pitch_deg":0}"#;
     send_all(&address, &[again]);
     recording.wait(|text| text.contains(",77,"));
     let (trace, summary, said) = recording.stop();
-    assert_eq!([&summary["foreign"], &summary["anew"]], [1, 1], "{summary}");
+    assert_eq!([&summary["foreign"], &summary["anew"]], [1, 1], "{summary}"); // words: ok, a key
     assert!(said.contains("sends too"), "{said}");
     assert!(
         !trace

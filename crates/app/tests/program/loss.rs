@@ -1,4 +1,4 @@
-//! Is what preparing loses told, and is a pack judged against the file that it came from?
+//! Is the loss of preparing reported, and is a pack judged against the file that it came from?
 
 use crate::scenes::{noisy_clip, waves, write_clip, write_clip_at};
 use crate::support::{Folder, done, json, refused};

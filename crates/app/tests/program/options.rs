@@ -1,4 +1,4 @@
-//! Is an option that can change nothing told or refused?
+//! Is an option without effect reported or refused?
 
 use crate::scenes::{waves, write_clip};
 use crate::support::{Folder, done, refused};

@@ -1,4 +1,4 @@
-//! Does a model of the eye that somebody measured take the place of ours, also in a log?
+//! Does a measured model of the eye take the place of ours, also in a log?
 
 use crate::scenes::{noisy_clip, write_clip};
 use crate::support::{Folder, done, json, refused};

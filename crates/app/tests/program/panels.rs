@@ -1,4 +1,4 @@
-//! Does `foveal panels` tell where a source lies before many displays, and refuse what is no rig?
+//! Does `foveal panels` find where a source lies before many displays, and refuse what is no rig?
 
 use crate::results::agrees;
 use crate::support::{Folder, Rgb, done, json, refused};

@@ -218,7 +218,7 @@ fn a_world_that_needs_more_than_a_device_holds_is_drawn_as_large_as_it_holds_and
     assert!(need > 32_768 && need == same && cpu == need, "{need} {cpu}");
     // As many as the device's own limit, a power of two.
     assert!(gpu >= 8192 && gpu < need && gpu.is_power_of_two(), "{gpu}");
-    let out = folder.name("told");
+    let out = folder.name("named");
     let ran = foveal(&["panels", "warp", &rig, "world:gratings", "--out", &out]);
     let told = ran.stderr;
     assert!(told.contains("pixels that are needed"), "{told}");

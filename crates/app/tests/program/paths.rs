@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// Longest time that a refusal may take: a hang is a failure.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What is there to be named: a pipe that nobody writes into, a device without an end, a folder.
+/// What is there to be named: a pipe without a writer, a device without an end, a folder.
 struct Hostile {
     folder: Folder,
     clip: String,
@@ -157,7 +157,7 @@ fn a_pipe_that_nobody_reads_is_not_waited_for() {
             "panels", "pattern", "grid", "--size", "64x48", "--out", &pipe,
         ],
     ] {
-        assert_refused(&in_time(arguments), 1, &["pipe", "nobody reads"]);
+        assert_refused(&in_time(arguments), 1, &["pipe", "has no reader"]);
     }
 }
 
@@ -197,7 +197,7 @@ fn more_than_an_hour_of_a_route_is_only_played_where_it_is_asked_for() {
     assert!(hour.stdout.contains("\"frames\":360,"), "{hour:?}");
 }
 
-/// A time as it is told.
+/// A time as it is printed.
 fn last_of(time: &str) -> &'static str {
     if time == "1e12" {
         "1000000000000 s"
@@ -230,7 +230,7 @@ fn two_preparations_of_a_scene_to_one_name_lose_no_pack() {
         assert_eq!(folder.names(), ["16.obj", "32.obj", "scene.foveal"]);
         std::fs::remove_file(&out).unwrap();
     }
-    // Who comes second is told before the work, and a name that is given up is free.
+    // A second one is refused before the work, and a name that is given up is free.
     let claim = NameClaim::of(Path::new(&out), IfTaken::Refuse).unwrap();
     let words = ["scene.foveal", "another prepare is writing it"];
     let second = ["prepare", "scene", &meshes[0], "--out", &out];

@@ -1,4 +1,4 @@
-//! Does comparing policies tell every saving with its score?
+//! Does comparing policies report every saving with its score?
 
 use crate::results::agrees;
 use crate::scenes::write_clip_at;

@@ -84,7 +84,7 @@ fn what_was_begun_otherwise_is_not_gone_on_with() {
         // What it was to replace is still there.
         assert!(std::fs::read(&out).ok() == before);
         let ran = done(&[&prepare[..], how].concat());
-        assert!(ran.stderr.contains("starts afresh"), "{}", ran.stderr);
+        assert!(ran.stderr.contains("starting over"), "{}", ran.stderr);
         assert!(ran.stderr.contains(word), "{}", ran.stderr);
         assert_eq!(folder.names(), ["a.foveal", "a.mkv"]);
         before = std::fs::read(&out).ok();

@@ -202,7 +202,7 @@ fn a_run_takes_the_place_of_an_older_one_says_so_first_and_spares_all_else() {
         names.collect::<BTreeSet<String>>()
     };
     let first = run(&["--hold", "0.1"]);
-    assert!(!first.stderr.contains("older run"), "{}", first.stderr);
+    assert!(!first.stderr.contains("earlier run"), "{}", first.stderr);
     assert_eq!(names().len(), 5);
     for kept in ["notes.txt", "frame_1.png", "frame_00000.png.bak"] {
         std::fs::write(format!("{out}/{kept}"), "mine").unwrap();
@@ -210,7 +210,9 @@ fn a_run_takes_the_place_of_an_older_one_says_so_first_and_spares_all_else() {
     let precious = leave_panels(&folder, &out);
     let second = run(&["--every", "1"]);
     assert!(
-        second.stderr.contains("run: holds an older run of 6 files"),
+        second
+            .stderr
+            .contains("run: overwriting an earlier run of 6 files"),
         "{}",
         second.stderr
     );

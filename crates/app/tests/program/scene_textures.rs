@@ -128,7 +128,7 @@ fn sphere_glb(image: &[u8]) -> Vec<u8> {
     glb(&document, &binary)
 }
 
-/// The same sphere as OBJ, whose MTL names a picture beside it.
+/// The same sphere as OBJ, whose MTL names a picture next to it.
 fn sphere_obj() -> String {
     let mut text = "mtllib ball.mtl\nusemtl thirds\n".to_owned();
     for ([x, y, z], [u, v]) in corners() {

@@ -142,7 +142,7 @@ fn flat_land_is_seen_from_above_at_first_and_where_it_is_told_to_be_on_a_route()
     let beside = Rgb::read(&format!("{still}/frame_00000.png"));
     assert!(
         covered(&beside) < 0.05,
-        "a route stands still where it is told to"
+        "a route stands still where it is meant to"
     );
 }
 

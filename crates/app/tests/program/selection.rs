@@ -89,7 +89,7 @@ fn a_higher_target_takes_more_and_the_usual_one_is_9_5() {
     assert!(share(&["--target", "9"]) < usual && usual < share(&["--target", "9.8"]));
     assert!(share(&["--slope", "0.011"]) > 1.5 * share(&["--slope", "0.022"]));
     assert!(share(&["--slope", "0"]) > share(&["--slope", "0.011"]));
-    // Without content no texture is known: the slope of the usual target is told by a table.
+    // Without content no texture is known: the slope of the usual target comes from a table.
     assert_eq!(usual, share(&["--slope", "0.0075"]));
 }
 

@@ -1,4 +1,4 @@
-//! Does nobody stop the server for others, and is what it sends what was asked for?
+//! Can no client stop the server for others, and does it send what was asked for?
 
 use crate::bounded::crc32c;
 use crate::scenes::{waves, write_clip};
@@ -168,7 +168,7 @@ fn packs_of_other_pixels_have_another_tag_whatever_their_size_and_time() {
     let [first, second, again] = [&good, &other, &good].map(|bytes| tag(bytes));
     assert_ne!(first, second);
     assert_eq!(first, again);
-    // Both have one date: by that a part of one is not taken for a part of the other.
+    // Both have one date: so a part of one must not pass as a part of the other.
     let whole = server.ask("GET", "/b.foveal", &[]);
     let date = whole.header("last-modified").unwrap();
     let by_date = server.ask(

@@ -222,7 +222,7 @@ fn pages_of_other_origins_read_nothing_unless_they_are_allowed() {
         answer.header("cross-origin-resource-policy"),
         Some("same-origin")
     );
-    // A name of somebody else that was made to lead here.
+    // A foreign host name that was made to lead here.
     for host in [
         "Host: other.example",
         "Host: 10.0.0.1:80",
@@ -327,7 +327,7 @@ fn a_damaged_pack_is_published_and_told() {
         return;
     };
     let mut bytes = std::fs::read(&pack).unwrap();
-    // Before the index, whose place the header tells (docs/formats/pack.md), is the last chunk.
+    // Before the index, whose place the header gives (docs/formats/pack.md), is the last chunk.
     let index = u64::from_le_bytes(bytes[24..32].try_into().unwrap());
     bytes[index as usize - 9] ^= 1;
     let pack = folder.holding("b.foveal", &bytes);
@@ -465,7 +465,7 @@ fn a_site_says_of_its_packs_what_its_maker_says_in_the_order_that_was_asked_for(
             "{page}"
         );
     }
-    // Of what nobody says anything the name is the title.
+    // Without a title the name is the title.
     json(&export);
     assert!(read("index.html").contains("<h1>Videos</h1>"));
     let list: Value = serde_json::from_str(&read("packs.json")).unwrap();

@@ -1,5 +1,5 @@
-//! Does a small file take little, whatever it claims, and is what it names looked for beside it
-//! alone?
+//! Does a small file take little, whatever it claims, and are the files it names searched for
+//! only next to it?
 //!
 //! Memory is what the program itself measured, or a limit of the system.
 
@@ -148,7 +148,7 @@ fn places_of_a_scene_file_are_counted_while_they_are_read() {
     );
     let other = folder.holding("other.toml", other.as_bytes());
     let ran = limited(600_000, 256, &["prepare", "scene", &other, "--out", &pack]);
-    assert_refused(&ran, 1, &["other.toml", "line 3", "words beside places"]);
+    assert_refused(&ran, 1, &["other.toml", "line 3", "words besides places"]);
     // Some that fit into a pack, each with all that a place can say.
     let place = "{ translation = [1, 2, 3], rotation_deg = [0, 90, 0], scale = [1, 1, 2] },\n";
     let text = format!("{head}{}]", place.repeat(8000));

@@ -32,7 +32,7 @@ impl Folder {
         path
     }
 
-    /// A copy of a file of it, with nothing beside or above it.
+    /// A copy of a file of it, with nothing next to or above it.
     pub(crate) fn elsewhere(&self, file: &str) -> String {
         let folder = self.name("else/where");
         std::fs::create_dir_all(&folder).unwrap();
@@ -75,7 +75,7 @@ pub(crate) fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// What fixes the quantiser of film whose preparation says nothing of it: looking for one takes as
+/// What fixes the quantiser of film whose preparation does not: looking for one takes as
 /// long as all the rest of a small clip. `--quality auto` is left as it is.
 fn fixed_quality(arguments: &[&str]) -> &'static [&'static str] {
     const SAID: [&str; 4] = ["--quality", "--bitrate", "--codec", "--help"];
@@ -93,7 +93,7 @@ fn fixed_quality(arguments: &[&str]) -> &'static [&'static str] {
     }
 }
 
-/// Says what this machine does not let a test try, also to whoever runs all of them.
+/// Says what this machine does not let a test try, also in a run of all of them.
 pub(crate) fn skipped(why: &str) {
     eprintln!("SKIPPED: {why}");
     if let Some(list) = std::env::var_os("FOVEAL_SKIPPED_TESTS") {

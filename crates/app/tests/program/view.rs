@@ -21,8 +21,8 @@ pub(crate) struct Display {
 
 impl Display {
     /// Starts one; `None`, and a line that says so, where there is no Xvfb. The server chooses a
-    /// number nobody holds and tells it when clients may come: a socket left behind by one that
-    /// was killed is not taken for a server.
+    /// free number and prints it when clients may come: a socket left behind by one that
+    /// was killed is not mistaken for a server.
     pub(crate) fn start() -> Option<Self> {
         let kept = Folder::new();
         let started = Command::new("Xvfb")
@@ -103,7 +103,7 @@ pub(crate) fn watched(
     Some(serde_json::from_str(&ran.stdout).unwrap())
 }
 
-/// A flat pack of six frames in which every tile tells its frame.
+/// A flat pack of six frames in which every tile identifies its frame.
 pub(crate) fn flat_pack(folder: &Folder) -> String {
     let pictures: Vec<Picture> = (0..6)
         .map(|frame| numbered_tiles([512, 288], 64, frame))
@@ -160,7 +160,7 @@ fn a_window_says_which_key_lists_the_keys_and_that_key_does() {
     let pack = flat_pack(&folder);
     let plain = folder.name("plain.png");
     let open = |more: &str| format!("0 settle\n0 screenshot {plain}\n{more}");
-    // At the bottom in the middle, below the text; at the left, beside all lines of the table.
+    // At the bottom in the middle, below the text; at the left, next to all lines of the table.
     let hint = || [375..393, 413..417];
     let keys = || [12..18, 14..320];
     let options = ["--view", "768x432", "--paused"];

@@ -13,7 +13,7 @@ pub const SLOPES: RangeInclusive<f64> = 0.0..=1.0;
 /// The scores that a key steps through, rising, before none.
 const STEPS: [f64; 5] = [8.5, 9.0, 9.25, 9.5, 9.75];
 
-/// How much detail is asked for, beside the policy.
+/// How much detail is asked for, in addition to the policy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Detail {
     /// [`DEFAULT_TARGET`] for `acuity` and `perceptual`, none for others.

@@ -6,17 +6,17 @@
 
 use crate::perception::visible_loss::BEST_JOD;
 
-/// How levels were chosen, as far as signatures foretell what is lost.
+/// How levels were chosen, as far as signatures predict what is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expectation {
-    /// By what signatures tell: what they miss is then shown coarse.
+    /// By signatures: what they miss is then shown coarse.
     ByLoss,
     /// By anything else.
     Elsewise,
 }
 
-/// Pairs of a score and the quality difference that signatures tell where it is had, scores rising:
-/// three quarters of what the fit finds on average, so that most content has the score.
+/// Pairs of a score and the quality difference from signatures at which it is reached, scores
+/// rising: three quarters of what the fit finds on average, so that most content has the score.
 const TOLD_BY_LOSS: [[f64; 2]; 5] = [
     [8.0, 3950.0],
     [8.5, 2260.0],
@@ -51,7 +51,7 @@ impl Expectation {
         }
     }
 
-    /// The score that is expected of a quality difference told by signatures.
+    /// The score to expect for a quality difference computed from signatures.
     #[must_use]
     pub fn jod(self, told: f64) -> f64 {
         if told <= 0.0 {
@@ -63,7 +63,7 @@ impl Expectation {
         BEST_JOD - libm::exp(along(&pairs, ln(told)))
     }
 
-    /// The quality difference told by signatures at which a score below 10 is expected: the inverse
+    /// The quality difference, from signatures, at which a score below 10 is expected: the inverse
     /// of [`Self::jod`].
     #[must_use]
     pub fn told(self, target: f64) -> f64 {

@@ -16,11 +16,11 @@ use std::sync::Arc;
 pub struct Chosen {
     /// The units to show, coarsest first: without hole and crack once all of them are there.
     pub units: Vec<UnitId>,
-    /// The same, as a log tells it.
+    /// The same, as a log records it.
     pub record: Record,
 }
 
-/// What a log tells of units that were chosen.
+/// What a log records about chosen units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Number of units of each level, finest first.
@@ -105,7 +105,7 @@ pub trait Demand: core::fmt::Debug + Send {
     }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
-    /// once all of it is shown; `None` before any choice and where nothing tells.
+    /// once all of it is shown; `None` before any choice and where it is unknown.
     fn expected_jod(&self) -> Option<f64> {
         None
     }
@@ -125,7 +125,7 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// What is known of a unit.
     fn unit(&self, unit: UnitId) -> Unit;
 
-    /// Whether a unit will never come, because what tells of it is damaged.
+    /// Whether a unit will never come, because its table row or index page is damaged.
     fn is_lost(&self, unit: UnitId) -> bool {
         let _ = unit;
         false
@@ -163,7 +163,7 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// Samples of everything at the finest level.
     fn finest_samples(&self) -> u64;
 
-    /// What it can tell of its units.
+    /// What it knows about its units.
     fn has(&self) -> HasTables;
 
     /// Whether everything has been loaded by which a policy chooses for a frame.
@@ -181,6 +181,6 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// head of another kind counts for nothing.
     fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand>;
 
-    /// How it is cut, as the head of a log tells it.
+    /// How it is cut, as recorded in the head of a log.
     fn head(&self) -> ContentHead;
 }

@@ -1,4 +1,4 @@
-//! How does the head of a log tell of content?
+//! What does a log's header record about content?
 
 use crate::content::strict_json::StrictJson;
 use crate::content::video::grid::tile_grid::TileGrid;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 /// Most cells of a grid that is replayed from outside bytes.
 const MOST_CELLS: u32 = 1 << 18;
-/// What tells other kinds of content from video, which has no such key.
+/// What distinguishes other kinds of content from video, which has no such key.
 const KIND: &str = "kind";
 
 /// What was chosen on, of any kind of content: only that kind reads it.

@@ -15,7 +15,7 @@ pub struct PolicyFacts {
     /// Whether it spends a budget on units of known size, step by step; else it is a rule, or
     /// keeps a score.
     pub spends_a_budget: bool,
-    /// Whether it can be told for which score to choose.
+    /// Whether it can be given a score to choose for.
     pub has_target: bool,
     /// Whether it keeps a score unless something else is asked for.
     pub keeps_a_score: bool,
@@ -95,7 +95,7 @@ impl Policy {
             },
             Self::Grid => PolicyFacts {
                 name: "grid",
-                help: "The cell of the gaze finest, those beside it middle, the rest coarsest",
+                help: "The cell of the gaze finest, its neighbours middle, the rest coarsest",
                 options: &["edge_rule", "edge_margin", "noisy_cells", "noise_threshold"],
                 ..PLAIN
             },
@@ -165,7 +165,7 @@ impl Policy {
         self.facts().spends_a_budget
     }
 
-    /// Whether this policy can be told for which score to choose.
+    /// Whether this policy can be given a score to choose for.
     #[must_use]
     pub const fn has_target(self) -> bool {
         self.facts().has_target

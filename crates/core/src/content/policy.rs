@@ -36,7 +36,7 @@ pub enum Policy {
 }
 
 impl Policy {
-    /// How what signatures tell foretells the score of what this policy chooses.
+    /// How signatures predict the score of what this policy chooses.
     #[must_use]
     pub fn expectation(self) -> Expectation {
         match self {
@@ -104,7 +104,7 @@ pub enum EdgeRule {
     Single,
 }
 
-/// What tells how much an eye gets of the units of a scene.
+/// How much an eye gets from the units of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ImportanceSource {
@@ -112,7 +112,7 @@ pub enum ImportanceSource {
     #[default]
     Signatures,
     /// Pictures of all levels, drawn for each choice: slow, the reference for signatures.
-    /// Footprints then tell the worth itself, the bits of a number of 32 bits in the place of the
+    /// Footprints then hold the worth itself, the bits of a number of 32 bits in the place of the
     /// area.
     Rendered,
 }
@@ -163,7 +163,7 @@ pub struct PolicyConfig {
     /// `perceptual`: whether saliency says what to fetch outside the region that gaze predicts.
     #[serde(default)]
     pub saliency: bool,
-    /// `perceptual` on scenes: what tells the worth of units.
+    /// `perceptual` on scenes: how the worth of units is found.
     #[serde(default, skip_serializing_if = "ImportanceSource::is_default")]
     pub importance: ImportanceSource,
     /// `acuity`, `perceptual`: the score that levels are chosen for, in JOD. Where bytes are
@@ -186,7 +186,7 @@ fn is_false(value: &bool) -> bool {
 }
 
 /// The score that levels are chosen for unless another is asked for: what about 63 of 100 people
-/// could tell from the finest when asked to guess.
+/// could distinguish from the finest when asked to guess.
 pub const DEFAULT_TARGET: f64 = 9.5;
 
 /// The side tables that a pack has.
@@ -231,7 +231,7 @@ impl PolicyConfig {
         }
     }
 
-    /// The same for content that does not tell what its units add: `acuity`, at the slope by which
+    /// The same for content without signatures: `acuity`, at the slope by which
     /// content of unknown texture keeps the target, in the place of what weighs units.
     #[must_use]
     pub fn without_signatures(&self) -> Self {

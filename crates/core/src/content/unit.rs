@@ -25,7 +25,7 @@ pub struct UnitRef {
 pub struct Unit {
     /// Its level, 0 the finest.
     pub level: u8,
-    /// Bytes to fetch; `None` until the page of the index that tells of it has been loaded.
+    /// Bytes to fetch; `None` until the index page that covers it has been loaded.
     pub bytes: Option<u32>,
     /// What a frame of it shows, in samples: what decoding takes.
     pub samples: u64,

@@ -1,4 +1,4 @@
-//! How much is a late gaze still worth beside what the head says?
+//! How much is a late gaze still worth, compared with what the head says?
 //!
 //! The last tracked gaze is true until the eye jumps; the head's prediction is never close and
 //! never far. What is shown later than about 75 ms after the last gaze lies best between them.

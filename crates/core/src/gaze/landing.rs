@@ -2,7 +2,7 @@
 //!
 //! Along its motion so far, as far as a linear rule says from how far it has come, how fast it is
 //! and was, and for how long. Saccades are ballistic: 20 ms after it was found, one of 13° has half
-//! its way before it, but its speed tells how much.
+//! its way before it, but its speed shows how much.
 
 use super::saccade::RunningSaccade;
 use crate::units::{Radians, Seconds};
@@ -30,7 +30,7 @@ const RULE: [f64; 6] = [
 ];
 /// The rule holds up to about this many milliseconds after the onset.
 const RULE_MS: f64 = 60.0;
-/// Nobody makes larger saccades without the head, in degrees.
+/// People make no larger saccades without the head, in degrees.
 const LARGEST_DEG: f64 = 40.0;
 /// Share of the amplitude that the landing is off by (root mean square) x milliseconds since the
 /// onset: 0.35 after 16 ms, 0.19 after 30, as measured with the fit.

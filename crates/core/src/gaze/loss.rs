@@ -1,4 +1,4 @@
-//! Where does the eye look while nobody sees it?
+//! Where does the eye look while the tracker does not see it?
 //!
 //! The last gaze holds for a second and grows uncertain; then the head alone says where.
 
@@ -13,7 +13,7 @@ pub const HOLD: Seconds = Seconds(1.0);
 /// is about as uncertain as one guessed from the head.
 const SPREAD_GROWTH_DEG_PER_S: f64 = 7.0;
 
-/// Spread of a gaze that only the head tells, in degrees: between the median (5.9°) and the 90th
+/// Spread of a gaze known only from the head, in degrees: between the median (5.9°) and the 90th
 /// percentile (13.5°) of what is left when gaze is predicted from head motion.
 const HEAD_ONLY_SPREAD_DEG: f64 = 7.0;
 

@@ -1,7 +1,7 @@
 //! How is a noisy gaze made steady without making it late?
 //!
 //! The 1 € filter of Casiez, Roussel and Vogel 2012: a low-pass filter whose cutoff grows with
-//! speed. Even so it would trail a saccade; [`GazeFilter`] begins anew while the eye jumps.
+//! speed. Even so it would trail a saccade; [`GazeFilter`] restarts while the eye jumps.
 
 use super::sample::EyeEvent;
 use crate::units::Seconds;
@@ -127,7 +127,7 @@ impl GazeFilter {
     }
 
     /// Filters the unit direction of a sample of which a detector says `event`. In a saccade, and
-    /// when there is no eye, the direction comes back unchanged and the filter begins anew.
+    /// when there is no eye, the direction comes back unchanged and the filter restarts.
     pub fn next(&mut self, time: Seconds, direction: DVec3, event: EyeEvent) -> DVec3 {
         if event != EyeEvent::Fixation {
             self.filter.reset();

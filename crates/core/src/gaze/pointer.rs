@@ -1,4 +1,4 @@
-//! Where does somebody look whose pointer stands for the gaze?
+//! Where does a viewer look whose pointer stands for the gaze?
 //!
 //! The pointer is taken as it is, without smoothing. When it leaves, its last place holds for a
 //! second, then the middle of the picture stands in.

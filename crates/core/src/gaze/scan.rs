@@ -1,4 +1,4 @@
-//! Where would an eye wander that nobody recorded?
+//! Where would an eye wander, if no recording says?
 //!
 //! Fixations of 300 ms joined by saccades of 5–15° to anywhere on the content: harder on a
 //! streaming system than most recordings, and the same for everyone who gives the same seed.

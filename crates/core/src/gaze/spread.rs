@@ -11,7 +11,7 @@ use crate::units::{Radians, Seconds};
 /// Who says where the eyes look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GazeEvidence {
-    /// A pointer, taken for the gaze. It stays where it was put.
+    /// A pointer that stands for the gaze. It stays where it was put.
     Mouse,
     /// The last sample of a tracker.
     Tracker,

@@ -28,7 +28,7 @@ const STEEPEST_DEG: f64 = 89.0;
 /// What is expected of the eye at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prediction {
-    /// Where it looks, with spread; `valid` tells whether the eye itself was seen lately.
+    /// Where it looks, with spread; `valid` says whether the eye itself was seen recently.
     pub gaze: GazeSample,
     /// What it does.
     pub event: EyeEvent,
@@ -185,7 +185,7 @@ impl GazeTracker {
         })
     }
 
-    /// How far the running saccade will be by `time`, once its landing can be told.
+    /// How far the running saccade will be by `time`, once its landing can be predicted.
     fn landing(&self, seen: &GazeSample, time: Seconds) -> Option<GazeSample> {
         let saccade = self.detection.saccade?;
         if saccade.now.0 - saccade.onset.0 < USEFUL_AFTER.0 {

@@ -198,7 +198,7 @@ pub struct Index {
 
 impl Index {
     /// The index of a pack whose header is `header`, without any of its pages. Refuses a header
-    /// that tells of another length than the numbers needs.
+    /// that gives another length than the numbers need.
     pub fn new(header: &Header, numbers: UnitNumbers) -> Result<Self, PackError> {
         if header.index_bytes != numbers.index_bytes() {
             let found = counted(header.index_bytes, "byte");
@@ -228,11 +228,11 @@ impl Index {
         Ok(())
     }
 
-    /// Reads page after page by `read`, which is told where in the file each lies; each is checked
+    /// Reads page after page by `read`, which receives where in the file each lies; each is checked
     /// before the next is read.
     ///
     /// # Errors
-    /// What `read` refuses, and what [`Self::add_page`] does, as `wrong` tells it.
+    /// What `read` refuses, and what [`Self::add_page`] does, as `wrong` reports it.
     pub fn read_all<E>(
         &self,
         mut read: impl FnMut(Range<u64>) -> Result<Vec<u8>, E>,

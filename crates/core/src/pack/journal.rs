@@ -1,6 +1,6 @@
 //! How far is a pack that is not finished, and what was it being made from?
 //!
-//! A journal lies beside the pack while it grows: who makes it from what, then a step each time
+//! A journal lies next to the pack while it grows: who makes it from what, then a step each time
 //! that all levels begin a new group. What a step says lies on disk before the step does, so
 //! whatever stops the work, all up to the last whole step is good. `docs/formats/pack.md` has the
 //! bytes, and every one is under a checksum.

@@ -1,8 +1,8 @@
 //! What do the bytes of a pack mean, whatever is in it?
 //!
-//! `docs/formats/pack.md` is normative. Everything here works on slices: whoever reads the file, a
-//! byte range of a web server or a socket hands the bytes in and learns which to fetch next. Bytes
-//! are never trusted: every length is checked before anything is allocated.
+//! `docs/formats/pack.md` is normative. Everything here works on slices: the caller reads the
+//! file, a byte range of a web server or a socket, hands the bytes in and learns which to fetch
+//! next. Bytes are never trusted: every length is checked before anything is allocated.
 
 mod build;
 mod error;

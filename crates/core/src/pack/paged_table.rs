@@ -1,6 +1,6 @@
 //! How is a side table read page by page, where its rows differ in length?
 //!
-//! A directory opens the table and tells of every page; a page is checked by itself. Normative:
+//! A directory opens the table and lists every page; a page is checked by itself. Normative:
 //! docs/formats/pack.md, "Tables in pages".
 
 use super::error::{PackError, check_crc, u32_at};

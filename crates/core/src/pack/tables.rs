@@ -1,4 +1,4 @@
-//! What is told of units beside their chunks?
+//! What does a pack hold about units, besides their chunks?
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ pub struct SideTable {
     pub bytes: Vec<u8>,
 }
 
-/// Where a side table lies, as the description tells.
+/// Where a side table lies, as the description says.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TableEntry {
     /// What it holds.

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub enum AcuityModel {
     /// Minimum angle of resolution that grows linearly with eccentricity: `mar_deg + slope x e`.
     Linear {
-        /// Degrees of the smallest pixel that is told apart at the fovea.
+        /// Degrees of the smallest pixel that can be resolved at the fovea.
         mar_deg: f64,
         /// By how many degrees that pixel grows with each degree of eccentricity. Two pixels are a
         /// cycle: who reads the measurements as degrees of a cycle takes half their slope here.
@@ -28,7 +28,7 @@ pub enum AcuityModel {
     /// Watson 2014 as Chen et al. 2022 print it (Eqs. 9–11): both polarities, the temporal and
     /// superior meridians mirrored to both sides, two plane angles.
     WatsonPaper,
-    /// Smallest angles that somebody measured, the same along all meridians.
+    /// Measured smallest angles, the same along all meridians.
     Table(MeasuredAcuity),
 }
 

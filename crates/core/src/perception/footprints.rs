@@ -7,9 +7,9 @@ use crate::pack::unit::UnitId;
 use crate::units::Radians;
 use core::cmp::Ordering;
 
-/// Parts of a degree that eccentricities are told in.
+/// Parts of a degree that eccentricities are written in.
 pub const PARTS_OF_DEGREE: f64 = 16.0;
-/// Parts of a square degree that areas are told in.
+/// Parts of a square degree that areas are written in.
 pub const PARTS_OF_DEG2: f64 = 1024.0;
 
 /// The part of the view that a unit would refine.
@@ -71,8 +71,8 @@ impl Footprints {
         &self.list
     }
 
-    /// What is another here than in `before`, as a log tells it: for each unit that changed four
-    /// numbers, its distance from the one told before (from 0 at first), area, least and mean
+    /// What differs from `before`, as a log records it: for each unit that changed four
+    /// numbers, its distance from the one listed before (from 0 at first), area, least and mean
     /// angle; an area of 0 where it is gone.
     #[must_use]
     pub fn since(&self, before: &Self) -> Vec<u32> {
@@ -110,7 +110,7 @@ impl Footprints {
         }
     }
 
-    /// The footprints of which [`Self::since`] this told such changes.
+    /// The footprints for which [`Self::since`] this returned such changes.
     ///
     /// # Errors
     /// These are no changes: the reason.

@@ -15,7 +15,7 @@ const OCTAVES: usize = 15;
 /// Entries per octave: interpolation then errs by less than 3e-4 of what can be seen.
 const PER_OCTAVE: usize = 128;
 
-/// Rows of eccentricity of what somebody measured, less one; closer together near the gaze.
+/// Rows of eccentricity of a measured table, less one; closer together near the gaze.
 const ROWS: usize = 128;
 /// Entries of a row.
 const ENTRIES: usize = OCTAVES * PER_OCTAVE + 1;

@@ -12,7 +12,7 @@ use crate::perception::sensitivity_table::SensitivityTable;
 use crate::units::{Cpd, Ppd, Radians};
 use std::sync::OnceLock;
 
-/// Slope of the chance of seeing a contrast, which is told in thresholds.
+/// Slope of the chance of seeing a contrast, which is given in thresholds.
 const SEEING_EXPONENT: f64 = 3.5;
 
 /// How an eye sees a place of the view.

@@ -59,7 +59,7 @@ impl Scheduler {
         self.demands.iter().all(|demand| demand.has_reached())
     }
 
-    /// The lowest score that is expected of any asset, as [`Demand::expected_jod`] tells it.
+    /// The lowest score that is expected of any asset, as [`Demand::expected_jod`] gives it.
     #[must_use]
     pub fn expected_jod(&self) -> Option<f64> {
         let jods = self

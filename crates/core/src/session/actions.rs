@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// The moment that a step is made for.
 #[derive(Clone, Debug)]
 pub struct Now {
-    /// By the clock of whoever shows.
+    /// By the clock of the side that shows.
     pub wall: Seconds,
     /// In the content, counted on.
     pub media: Seconds,
@@ -43,8 +43,8 @@ pub enum Pace {
 /// What happened outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SessionEvent {
-    /// A piece was decoded, and frames of its unit with it; whoever decoded it keeps it until it is
-    /// to be uploaded or dropped.
+    /// A piece was decoded, and frames of its unit with it; the side that decoded it keeps it
+    /// until it is to be uploaded or dropped.
     Decoded {
         /// What came.
         piece: Piece,
@@ -58,8 +58,8 @@ pub enum SessionEvent {
         /// Frames that were decoded in vain.
         frames: u32,
     },
-    /// More is known of the scene: a side table was loaded, which may tell the frames' times. Pages
-    /// of an index count without being told of.
+    /// More is known of the scene: a side table was loaded, which may give the frames' times. Pages
+    /// of an index count without being reported.
     TableLoaded,
     /// The device that drew is gone, and what was on it.
     DeviceLost,
@@ -80,10 +80,10 @@ pub enum SessionAction {
     Drop(Piece),
     /// Lines of the session log.
     Log(String),
-    /// What was chosen, as the log tells it.
+    /// What was chosen, as the log records it.
     Chosen(Box<SessionFrame>),
     /// Something was shown, evicted or refined: how much memory is in use, and whether pieces of
-    /// other frames are on screen, is to be told.
+    /// other frames are on screen, is to be reported.
     Count,
 }
 

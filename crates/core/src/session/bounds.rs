@@ -1,8 +1,8 @@
 //! How many bytes may a session have under way, waiting and on the GPU?
 
-/// Where nobody asks for less: more than a frame of the largest content that a pack can hold,
+/// Default: more than a frame of the largest content that a pack can hold,
 /// twelve faces of 65,536 x 65,536 samples in all levels, which is 104 GB. One frame at a time is
-/// fetched, one waits, one is shown. Whoever knows the device can set less, as a page does.
+/// fetched, one waits, one is shown. A caller that knows the device can set less, as a page does.
 const MORE_THAN_A_FRAME: u64 = 128 << 30;
 
 /// What a session keeps below. The coarsest level is fetched, kept and shown whatever it takes.
@@ -13,7 +13,7 @@ pub struct Bounds {
     /// Bytes, as they will be on the GPU, of what is decoded and waits to be shown, and of what is
     /// fetched to wait there. What has no room is fetched once the frame is shown, if it stays.
     pub cached: u64,
-    /// Bytes on the GPU of what is shown. What would not fit beside what matters more is not
+    /// Bytes on the GPU of what is shown. What would not fit next to what matters more is not
     /// chosen. While one frame takes the place of another, both are there.
     pub gpu: u64,
 }

@@ -83,7 +83,7 @@ impl Budget {
         self.saved = (self.saved - bytes as f64).max(least);
     }
 
-    /// Takes bytes that the link brought beside what was bought, as pages of an index: so much less
+    /// Takes bytes that the link brought besides what was bought, such as index pages: so much less
     /// is bought from now on.
     pub fn charge(&mut self, bytes: u64) {
         let least = -self.bytes_per_s * MOST_BORROWED_S;

@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 
 /// How much of the past counts for rates, in seconds.
 const WINDOW_S: f64 = 2.0;
-/// Drawings that tell how long the next will take; the slowest of them is an exception.
+/// Drawings that predict how long the next will take; the slowest of them is an exception.
 const DRAWS: usize = 9;
-/// What the longest of the first two drawings is multiplied by to tell how long the next may take.
+/// What the longest of the first two drawings is multiplied by to predict how long the next may
+/// take.
 const FIRST_DRAWS: f64 = 1.5;
 /// Longest time of drawing that is made up for by showing a later frame, in seconds.
 pub const MOST_DRAW_S: f64 = 0.5;
@@ -46,7 +47,7 @@ pub struct Figures {
     /// Frames that took longer to draw than they last.
     pub slow_draws: u64,
     /// Time from choosing what is shown until it is drawn, in seconds, at most [`MOST_DRAW_S`]: the
-    /// median of late.
+    /// recent median.
     pub draw_s: f64,
     /// What that time stays below but now and then, in seconds.
     pub most_draw_s: f64,
@@ -126,7 +127,7 @@ impl Figures {
         self.lately.push_back((now.0, self.uploaded_bytes));
     }
 
-    /// Frames a second and megabytes a second of late.
+    /// Recent frames a second and megabytes a second.
     #[must_use]
     pub fn rates(&self, now: Seconds) -> [f64; 2] {
         let recent = |(at, _): &&(f64, u64)| now.0 - at <= WINDOW_S;

@@ -25,7 +25,7 @@ use thiserror::Error;
 
 /// Version of the log's format.
 const VERSION: u32 = 1;
-/// Most views, and most assets, beside the first of a log that is replayed from outside bytes.
+/// Most views, and most assets, after the first of a log that is replayed from outside bytes.
 const MOST_MORE: usize = 255;
 
 /// The first line of a log.
@@ -56,7 +56,7 @@ pub struct SessionHead {
     pub more: Vec<AssetHead>,
 }
 
-/// A view beside the first, as far as it stays the same.
+/// A view other than the first, as far as it stays the same.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoggedView {
     /// Its field of view.
@@ -76,7 +76,7 @@ pub struct LoggedPose {
     pub turn: HeadPose,
 }
 
-/// What the first line of a log tells of an asset beside the first.
+/// What the first line of a log records about an asset other than the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AssetHead {
     /// Name of the pack, for people.
@@ -131,7 +131,7 @@ pub struct SessionFrame {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub behind_sound_s: Option<Seconds>,
     /// What parts of the view units would refine, where that was measured: as
-    /// [`Footprints::since`] tells what changed since the line before.
+    /// [`Footprints::since`] lists what changed since the line before.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub footprints: Option<Vec<u32>>,
     /// What was chosen of the other assets of the scene, in the order of the head.
@@ -139,7 +139,7 @@ pub struct SessionFrame {
     pub more: Vec<AssetFrame>,
 }
 
-/// What a line tells of an asset beside the first.
+/// What a line records about an asset other than the first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AssetFrame {
     /// Frame of the content.
@@ -157,7 +157,7 @@ pub struct AssetFrame {
     pub footprints: Option<Vec<u32>>,
 }
 
-/// Tells what a viewer wants of each asset of a log, by its head, under the policy of a part.
+/// Says what a viewer wants of each asset of a log, by its head, under the policy of a part.
 pub type DemandOf<'a> = &'a dyn Fn(AssetId, &ContentHead, &PolicyConfig) -> Box<dyn Demand>;
 
 /// A run, as it was logged.
@@ -261,7 +261,7 @@ impl SessionHead {
             ));
         }
         if !self.panels.is_empty() && !self.more_views.is_empty() {
-            return wrong("more_views: expected none beside panels".to_owned());
+            return wrong("more_views: expected none together with panels".to_owned());
         }
         for panel in &self.panels {
             if let Some(fault) = panel.fault() {

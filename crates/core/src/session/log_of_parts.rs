@@ -1,6 +1,6 @@
 //! How is a run logged whose view or policy changed on the way?
 //!
-//! As several sessions, one after the other: each begins with a head, whose line tells itself apart
+//! As several sessions, one after the other: each begins with a head, whose line differs
 //! from the lines of frames, and is selected again by itself.
 
 use crate::session::log::{DemandOf, SessionError, SessionLogPart};

@@ -1,6 +1,6 @@
 //! Which moment of the content is due now?
 //!
-//! Content runs at its own rate against a clock that whoever asks passes in: a monotonic one, which
+//! Content runs at its own rate against a clock that the caller passes in: a monotonic one, which
 //! the sound that is heard corrects.
 
 use crate::units::Seconds;

@@ -18,7 +18,7 @@ use crate::view::eye_view::{EyeView, Field};
 use crate::view::mounted::MountedPanel;
 use std::sync::Arc;
 
-/// What is kept fine beside the view, at most in shares of its width: a window that is zoomed to a
+/// What is kept fine outside the view, at most in shares of its width: a window that is zoomed to a
 /// corner of the content does not fetch the rest.
 const MARGIN_SHARE: f64 = 0.25;
 /// How long what was chosen stays where something is awaited, before something else stands in and
@@ -58,7 +58,7 @@ struct SeenFootprints {
     are_measured: bool,
     /// Those measured last; empty before.
     now: Vec<Footprints>,
-    /// Those that the running part of the log tells.
+    /// Those in the running part of the log.
     logged: Vec<Footprints>,
     /// Whether some came since the last choice that are not what they were.
     are_new: bool,
@@ -79,7 +79,7 @@ pub(super) struct Picked {
     pub(super) units: Vec<UnitRef>,
     /// Lines of the session log.
     pub(super) log: String,
-    /// The line of this choice; `None` where nothing was chosen anew.
+    /// The line of this choice; `None` where nothing new was chosen.
     pub(super) line: Option<SessionFrame>,
 }
 
@@ -146,7 +146,7 @@ impl PolicyRun {
         }
     }
 
-    /// The link brought so many bytes beside what was bought.
+    /// The link brought so many bytes besides what was bought.
     pub(super) fn charge(&mut self, bytes: u64) {
         if let Some(budget) = &mut self.budget {
             budget.charge(bytes);
@@ -240,7 +240,7 @@ impl PolicyRun {
         }
     }
 
-    /// Bytes of what was chosen so far for these frames, where the choice begins anew, as under
+    /// Bytes of what was chosen so far for these frames, where the choice starts over, as under
     /// another policy or through another view: they are here or under way, and cost nothing more.
     fn paid(&self, frames: &[u32], head: &SessionHead) -> u64 {
         let mut running = self.running.iter();
@@ -261,7 +261,7 @@ impl PolicyRun {
     /// What to show of the frames, one of each asset; what is brought until `until` can be spent.
     ///
     /// # Panics
-    /// A policy that spends a budget needs content that tells what its units add.
+    /// A policy that spends a budget needs content that knows what its units add.
     pub(super) fn choose(&mut self, frames: &[u32], moment: &Moment, until: Seconds) -> Picked {
         let now = moment.gaze.time.0;
         let is_ready = self.is_ready(frames);

@@ -33,7 +33,7 @@ pub(super) fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<SessionLogPa
 }
 
 /// What is chosen of content by a policy over two seconds, ten moments a second, while the eye goes
-/// round a sphere of the content, its middle and its radius in metres, and looks beside its middle.
+/// round a sphere of the content, its middle and its radius in metres, and looks past its middle.
 #[must_use]
 pub fn scripted_flight(
     content: Arc<dyn Content>,

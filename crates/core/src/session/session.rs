@@ -32,7 +32,7 @@ use std::sync::Arc;
 const PATIENCE_S: f64 = 0.25;
 /// Longest time that a frame is begun ahead of its own.
 const MOST_LEAD_S: f64 = 1.0;
-/// A picture is not chosen anew more often than this while the view moves.
+/// A picture is not chosen again more often than this while the view moves.
 const CHOOSE_EVERY_S: f64 = 0.03;
 
 /// What a session begins with.
@@ -45,9 +45,9 @@ pub struct SessionSettings {
     pub bytes_per_s: Option<f64>,
     /// Since when it brings that, by the clock of gazes; `None`: since the first choice.
     pub since: Option<Seconds>,
-    /// Whether the view can be zoomed: then less is kept fine beside a narrow one.
+    /// Whether the view can be zoomed: then less is kept fine outside a narrow one.
     pub zooms: bool,
-    /// Whether [`Session::see`] is told what parts of the view units would refine, once something
+    /// Whether [`Session::see`] receives what parts of the view units would refine, once something
     /// is drawn.
     pub measures: bool,
     /// What is kept below; by default nothing that can be played comes near.
@@ -109,7 +109,7 @@ struct Staged {
     frame: u32,
     /// The frame of each asset.
     frames: Vec<u32>,
-    /// What its units were chosen for last; `None` where they are to be chosen anew.
+    /// What its units were chosen for last; `None` where they are to be chosen again.
     moment: Option<Moment>,
     /// When its units were last chosen.
     chosen: f64,
@@ -508,7 +508,7 @@ impl Session {
         before.is_none_or(|before| self.run.differs(now, before))
     }
 
-    /// Chooses the units of the frame that stays anew when the viewer looks elsewhere.
+    /// Chooses the units of the frame that stays again when the viewer looks elsewhere.
     fn refine(&mut self, now: &Now) {
         let Some(shown) = &self.shown else {
             return;
@@ -553,7 +553,7 @@ impl Session {
             .extend(line.map(|line| SessionAction::Chosen(Box::new(line))));
     }
 
-    /// Chooses anew at the next step, wherever the viewer looks.
+    /// Chooses again at the next step, wherever the viewer looks.
     fn forget_choice(&mut self) {
         if let Some(shown) = &mut self.shown {
             shown.chosen = f64::NEG_INFINITY;

@@ -31,7 +31,7 @@ pub enum AtEnd {
     GoesRound,
     /// The last frame stays.
     Stays,
-    /// The last frame stays, and whoever plays then begins anew.
+    /// The last frame stays, and playing then starts from the beginning.
     StaysUntilPlayed,
 }
 
@@ -50,7 +50,7 @@ pub struct ViewerSettings {
 /// What is heard of the content at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Heard {
-    /// Nothing that tells the time.
+    /// No clock.
     Nothing,
     /// Sound is on its way that begins at this time of the content; it is heard after so many
     /// seconds, where that is known.
@@ -100,8 +100,8 @@ pub struct Viewer {
     begins: Option<bool>,
     /// It stays at the end, and was not played since.
     ended: bool,
-    /// While the frame waits for sound: in how many seconds that is heard, infinite where nobody
-    /// knows.
+    /// While the frame waits for sound: in how many seconds that is heard, infinite where that
+    /// is unknown.
     heard_in: Option<f64>,
     /// What the last step was made for.
     last: Option<(Moment, Shown)>,
@@ -250,7 +250,7 @@ impl Viewer {
         Seconds(nearest.unwrap_or(within.0))
     }
 
-    /// Stays at the last frame once the content is over, where the settings say so; tells whether
+    /// Stays at the last frame once the content is over, where the settings say so; returns whether
     /// it just came to stay.
     pub fn stay_at_the_end(&mut self, session: &Session, now: Seconds) -> bool {
         let timeline = session.timeline();
@@ -297,7 +297,7 @@ impl Viewer {
         }
     }
 
-    /// A session stepped at [`Self::now`] for this moment. Tells whether something else is to be
+    /// A session stepped at [`Self::now`] for this moment. Returns whether something else is to be
     /// drawn because the view moved, or, where what is drawn is `drawn_by_gaze`, the gaze.
     pub fn stepped(&mut self, moment: Moment, pane: &Pane, drawn_by_gaze: bool) -> bool {
         let shown = self.shown(pane);
@@ -376,7 +376,7 @@ impl Viewer {
     }
 
     /// How long it is at `now` until the time of what is to be shown: it was chosen for a drawing
-    /// as long as the longest of late, and is not earlier than that.
+    /// as long as the longest recent one, and is not earlier than that.
     #[must_use]
     pub fn early_by(&self, session: &Session, now: Seconds) -> Seconds {
         let begin = session.shown_tick();

@@ -18,7 +18,7 @@ const FARTHEST: f64 = 50.0;
 /// it goes on.
 const LEAST_DISTANCE: f64 = 0.25;
 
-/// Where somebody who flies steers to.
+/// Where a flying viewer steers to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Steering {
     /// Whether it goes back or on along the right, up and ahead of the head.
@@ -99,7 +99,7 @@ impl Flight {
         self.steering
     }
 
-    /// Flies as it was steered up to now, and steers to where it is told from here on.
+    /// Flies as it was steered up to now, and steers as given from here on.
     pub(super) fn steer(&mut self, steering: Steering, head: (&Axes, &Field), now: Seconds) {
         let seconds = if self.steering.goes() {
             (now.0 - self.since.0).max(0.0)

@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Sines of what is called missed are this far beyond the border.
 const ROUNDING: f64 = 1e-9;
 
-/// A view and what lies beside it up to a margin.
+/// A view and what lies outside it up to a margin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frustum {
     axes: Axes,
@@ -57,7 +57,7 @@ impl Frustum {
     }
 
     /// Whether nothing is reached within the angle of this sine from a direction, as
-    /// [`Self::is_missed_by`] says it; `None` where that takes the angle to tell.
+    /// [`Self::is_missed_by`] says it; `None` where deciding that needs the angle.
     pub(crate) fn is_surely_missed(&self, centre: DVec3, sine: f64) -> Option<bool> {
         if self.is_wide() {
             return None;
@@ -94,7 +94,7 @@ impl Frustum {
         across.max(down)
     }
 
-    /// Whether a direction is in view or at most a margin beside it.
+    /// Whether a direction is in view or at most a margin outside it.
     ///
     /// The margin counts along the circles round the axes to the right and down. Where the view is
     /// wide, they become small or lie behind the eye: there what is no farther than the margin from
@@ -110,7 +110,7 @@ impl Frustum {
                 && self.beyond_borders(direction) <= libm::sin(self.margin.min(FRAC_PI_2))
     }
 
-    /// Whether something beside or behind the eye is reached.
+    /// Whether something at the side of or behind the eye is reached.
     fn is_wide(&self) -> bool {
         self.farthest >= FRAC_PI_2
     }

@@ -55,7 +55,7 @@ pub enum Action {
     Screenshot,
     /// The whole screen, or not.
     FullScreen,
-    /// The next page of the overlay: keys, figures, nothing.
+    /// The next page of the overlay: help, statistics, off.
     Overlay,
     /// Figures, or none.
     Figures,
@@ -156,7 +156,7 @@ pub const KEYS: &[Row] = {
     use Needs::{Atlas, Frames, Heard, Nothing, Samples, Scene, Tiles, TwoEyes, Video};
     use HeardIn::{Both, Window};
     &[
-        row("H  ?", "keys, figures, nothing", Nothing, Both,
+        row("H  ?", "cycle: help, statistics, off", Nothing, Both,
             &[key("h", Overlay), key("?", Overlay)]),
         row("space", "play, pause", Frames, Both,
             &[key(" ", Pause)]),
@@ -168,7 +168,7 @@ pub const KEYS: &[Row] = {
             &[key("Shift+ArrowLeft", Skip(-SKIP_S)), key("Shift+ArrowRight", Skip(SKIP_S))]),
         row("Home  End", "first, last frame", Frames, Both,
             &[key("Home", First), key("End", Last)]),
-        row("Left  Right", "look round, move", Nothing, Both,
+        row("Left  Right", "look around, move", Nothing, Both,
             &[key("ArrowLeft", Move([STEP, 0.0])), key("ArrowRight", Move([-STEP, 0.0]))]),
         row("Up  Down", "look up and down, move", Nothing, Both,
             &[key("ArrowUp", Move([0.0, STEP])), key("ArrowDown", Move([0.0, -STEP]))]),

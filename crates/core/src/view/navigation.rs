@@ -168,7 +168,7 @@ impl Navigation {
         matches!(self.place, Place::Before(_))
     }
 
-    /// Where somebody who flies through a scene steers to.
+    /// Where a viewer who flies through a scene steers to.
     pub fn steering(&self) -> Steering {
         match &self.place {
             Place::Through(flight) => flight.steering(),
@@ -176,7 +176,7 @@ impl Navigation {
         }
     }
 
-    /// Flies through a scene as it was steered up to now, and to where it is told from here on.
+    /// Flies through a scene as it was steered up to now, and as given from here on.
     pub fn steer(&mut self, steering: Steering, pane: &Pane, now: Seconds) {
         let (axes, field) = (self.head().axes(), self.turning_field(pane));
         if let Place::Through(flight) = &mut self.place {
@@ -249,7 +249,7 @@ impl Navigation {
         }
     }
 
-    /// A gaze of whoever is led, with the head turned on by hand: the eye stays in the head.
+    /// The gaze of a viewer who is led, with the head turned on by hand: the eye stays in the head.
     pub fn with_the_hand(&self, gaze_in_content: DVec3) -> DVec3 {
         match self.led {
             Some(led) if self.head != HeadPose::default() => {

@@ -103,7 +103,7 @@ impl EyePose {
         }
     }
 
-    /// A direction of a head that is not turned, as `--gaze` tells it, in the world.
+    /// A direction of a head that is not turned, as `--gaze` gives it, in the world.
     #[must_use]
     pub fn world_from_head(&self, direction: DVec3) -> DVec3 {
         let Axes {

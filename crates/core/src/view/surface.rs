@@ -102,7 +102,7 @@ pub struct Screen {
     pub diagonal_inches: f64,
     /// Distance from the eye in metres.
     pub distance_m: f64,
-    /// How it stands where it is not square before the head; nobody measures that.
+    /// How it stands where it is not square before the head; that is not measured.
     #[serde(skip)]
     pub slant: Option<Slant>,
     /// Half its width and height at unit distance, where content fills it whatever its shape.
@@ -402,8 +402,8 @@ impl Surface {
     /// The face that `direction` meets and the place on it in level-0 pixels: the left eye's, to
     /// which [`Self::first_face`] adds that of another.
     ///
-    /// `None` when it looks away from flat content, or at a face that there is not; beside flat
-    /// content the place lies outside [0, size).
+    /// `None` when it looks away from flat content, or at a face that does not exist; outside
+    /// flat content the place lies outside [0, size).
     #[must_use]
     pub fn locate(&self, direction: DVec3) -> Option<(u32, [f64; 2])> {
         let face = match self.projection {

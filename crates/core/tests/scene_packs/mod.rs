@@ -152,7 +152,7 @@ pub(crate) fn repair_checksums(pack: &mut [u8]) {
 }
 
 /// Makes the checksums of the table right: those of its pages, of its directory, and that of all
-/// of it, which the description tells in decimal digits.
+/// of it, which the description holds in decimal digits.
 fn repair_table(pack: &mut [u8]) {
     // Two pages of index with one entry each lie before it.
     let start = (word(pack, 24) as usize).saturating_add(2 * 32);
@@ -174,7 +174,7 @@ fn repair_table(pack: &mut [u8]) {
     tell_in_description(pack, crc);
 }
 
-/// Writes the checksum of the table over the digits that tell it.
+/// Writes the checksum of the table over its digits.
 fn tell_in_description(pack: &mut [u8], crc: u32) {
     const KEY: &[u8] = b"\"crc32c\":";
     let Some(at) = pack.windows(KEY.len()).position(|it| it == KEY) else {

@@ -95,7 +95,7 @@ pub(crate) fn table_bytes(pack: &VideoPack) -> [usize; 2] {
     [refining * Signature::BYTES, finest.count() * Cues::BYTES]
 }
 
-/// Units with what tables tell of them.
+/// Units with their rows of the tables.
 #[derive(Debug)]
 struct Told {
     pack: Arc<VideoPack>,

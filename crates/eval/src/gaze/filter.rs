@@ -72,7 +72,7 @@ fn worst_lag(trial: &Trial) -> Option<usize> {
 }
 
 /// By how many samples `filtered` comes later than `raw` past [`WAYS`] of a saccade, until
-/// `limit`; `None` for a saccade too small to tell.
+/// `limit`; `None` for a saccade too small to measure.
 fn lag(raw: &[DVec3], filtered: &[DVec3], event: &Range<usize>, limit: usize) -> Option<usize> {
     let (from, to) = (raw[event.start], raw[event.end - 1]);
     if angle_between(from, to).to_degrees() < SMALLEST_DEG {

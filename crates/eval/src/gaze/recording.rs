@@ -39,7 +39,7 @@ pub struct Recording {
     pub name: String,
     /// Who labelled it.
     pub coders: Vec<String>,
-    /// The detector starts anew at each.
+    /// The detector restarts at each.
     pub trials: Vec<Trial>,
 }
 

@@ -1,4 +1,4 @@
-//! What would a labelled recording look like that nobody had to record?
+//! How is a labelled recording synthesised?
 //!
 //! Fixations with drift, pursuit, saccades of the main sequence with their swing after landing,
 //! blinks whose lids drag the gaze while the tracker still calls it valid, and white noise, from a

@@ -1,4 +1,4 @@
-//! Which trace of eyes and head is a recording that tells the motion of a head, but no poses?
+//! Which trace of eyes and head is a recording that has the motion of a head, but no poses?
 
 use super::head_recording::{HeadRecording, HeadRow, RATE_HZ};
 use foveal_core::gaze::read::row::TraceRow;
@@ -8,7 +8,7 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::yaw_pitch_from_direction;
 
 /// Highest and lowest that a head is taken to look, in degrees. Velocities add up to more only
-/// because recordings have gaps that no row tells of.
+/// because recordings have gaps that no row shows.
 const MOST_PITCH_DEG: f64 = 40.0;
 /// Rows that are left out where a head is set level again, longer than the silence after which a
 /// head's motion is unknown: what was not recorded must not look like a fast turn.
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
     use foveal_core::gaze::head_prediction::{GazeInHead, HeadMotion, SgazeMotion};
 
-    /// A head that nods and turns, with eyes beside its forward, and `drift` upwards.
+    /// A head that nods and turns, with eyes off its forward direction, and `drift` upwards.
     fn recording(drift: f64) -> HeadRecording {
         let row = |number: usize| {
             let time = number as f64 / RATE_HZ;

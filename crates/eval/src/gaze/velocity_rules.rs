@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use foveal_core::units::{Radians, Seconds};
 
-    /// A trial at 500 Hz whose yaw is told for every sample; `None` is not valid.
+    /// A trial at 500 Hz whose yaw is given for every sample; `None` is not valid.
     fn trial(yaw_deg: impl Fn(usize) -> Option<f64>) -> Trial {
         let sample = |k: usize| {
             let yaw = Radians::from_degrees(yaw_deg(k).unwrap_or_default());

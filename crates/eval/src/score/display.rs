@@ -216,7 +216,7 @@ impl DisplayFile {
     /// The display.
     ///
     /// # Errors
-    /// Names the field that is out of range, missing, or there beside another that says the same.
+    /// Names the field that is out of range, missing, or given with another that says the same.
     pub fn display(&self) -> Result<Display, ScoreError> {
         let side = |side: u32| (16..=65_536).contains(&side);
         if !self.size_px.into_iter().all(side) {

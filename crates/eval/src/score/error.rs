@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// What is wrong with what was handed in; whoever knows the file puts its name before the message.
+/// What is wrong with what was handed in; the caller, who knows the file, puts its name first.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScoreError {

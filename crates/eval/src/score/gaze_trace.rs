@@ -54,14 +54,14 @@ impl GazeTrace {
         Ok(Self { rows })
     }
 
-    /// Where the eye looked in a frame; `None` where no row tells.
+    /// Where the eye looked in a frame; `None` where there is no row.
     #[must_use]
     pub fn at(&self, frame: u32) -> Option<[f64; 2]> {
         let row = self.rows.binary_search_by_key(&frame, |(frame, _)| *frame);
         row.ok().map(|row| self.rows[row].1)
     }
 
-    /// The frames that it tells of.
+    /// The frames that it covers.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.rows.len()

@@ -6,7 +6,7 @@
 //! follows the equations, in double precision; [`fast`] does the same in single precision on all
 //! cores, and with the feature `gpu` the module of that name does it in WGSL.
 //!
-//! What a score sees and does not see is told in docs/concepts/score.md.
+//! docs/concepts/score.md says what a score sees and what it does not.
 
 pub mod clear;
 pub mod companion;

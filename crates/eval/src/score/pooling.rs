@@ -128,7 +128,7 @@ pub struct Score {
     pub frames: usize,
     /// Mean energies, finest band first.
     pub bands: Vec<BandEnergies>,
-    /// By eccentricity; `None` where nobody looked at a place.
+    /// By eccentricity; `None` where there is no gaze.
     pub zones: Option<Zones>,
     /// Just-objectionable differences of every frame.
     pub per_frame: Vec<f64>,

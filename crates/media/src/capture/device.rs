@@ -18,7 +18,7 @@ const RATE: &str = "30";
 const MOST_OLD: u32 = 10;
 /// A picture that comes sooner than this was waiting.
 const WAITED: Duration = Duration::from_millis(4);
-/// How often, and how far apart, a window that changed its size is opened anew.
+/// How often, and how far apart, a window that changed its size is reopened.
 const REOPENS: u32 = 20;
 const REOPEN_EVERY: Duration = Duration::from_millis(100);
 /// Longest time that a graph's picture is held back for its turn.
@@ -75,7 +75,7 @@ impl Device {
         let reader = Reader::open(&source, &display).map_err(|reason| {
             let next = match &source {
                 LiveSource::Screen => "is DISPLAY that of a running X server that may be captured?",
-                LiveSource::Window(_) => "is the window still there? xwininfo tells its number",
+                LiveSource::Window(_) => "is the window still there? xwininfo prints its number",
                 LiveSource::Camera(_) => "give a device that `v4l2-ctl --list-devices` lists",
                 _ => "give a graph that makes pictures, such as lavfi:testsrc2",
             };
@@ -123,7 +123,7 @@ impl Device {
         }
     }
 
-    /// Opens a window anew that changed its size; why it ends where it cannot.
+    /// Reopens a window that changed its size; why it ends where it cannot.
     fn go_on(&mut self, error: av::Error) -> Option<String> {
         let LiveSource::Window(_) = self.source else {
             return Some(format!("it cannot be read any more: {error}"));

@@ -126,7 +126,7 @@ pub(super) fn check(graph: &str) -> Result<(), String> {
         let kind = name.split('@').next().unwrap_or_default();
         if !SOURCES.contains(&kind) && !FILTERS.contains(&kind) {
             return Err(format!(
-                "its filter {:?} is none of those that run here: FFmpeg's filters may read \
+                "its filter {:?} is not one of those that run here: FFmpeg's filters may read \
                  and write files and fetch from the network, and only sources and filters of \
                  pictures that cannot are let in",
                 begin_of(kind)

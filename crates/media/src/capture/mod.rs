@@ -71,7 +71,7 @@ impl Capture {
             let mut device = match Device::open(&wanted) {
                 Ok(device) => device,
                 Err(error) => {
-                    // Nobody may be waiting any more.
+                    // The receiver may be gone.
                     let _ = opened.send(Err(error));
                     return;
                 }
@@ -147,7 +147,8 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts a picture in the place of one that was not taken; `false` where nobody asks any more.
+    /// Puts a picture in the place of one that was not taken; `false` where no picture is wanted
+    /// any more.
     fn put(&self, picture: CapturedPicture) -> bool {
         let mut state = self.state();
         state.dropped += u64::from(state.newest.is_some());

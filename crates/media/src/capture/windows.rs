@@ -26,9 +26,9 @@ pub(super) fn window_titled(title: &str) -> Result<u32, CaptureError> {
         wrong(reason, next)
     })?;
     let titles = titles(&connection, screen).map_err(|error| {
-        let next = "try again, or give the window by its number, as xwininfo tells it";
+        let next = "try again, or give the window by its number, as xwininfo prints it";
         wrong(
-            format!("the X server does not tell its windows: {error}"),
+            format!("the X server does not list its windows: {error}"),
             next.to_owned(),
         )
     })?;
@@ -96,7 +96,7 @@ fn listed(titles: &[&str]) -> String {
     let some: Vec<String> = some.collect();
     let more = titles.len().saturating_sub(MOST_LISTED);
     match (some.is_empty(), more) {
-        (true, _) => "there is none that has one".to_owned(),
+        (true, _) => "no window has one".to_owned(),
         (false, 0) => format!("there are {}", some.join(", ")),
         (false, more) => format!("there are {} and {more} more", some.join(", ")),
     }

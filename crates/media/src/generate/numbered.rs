@@ -56,7 +56,7 @@ pub fn numbered_tiles(size: [u32; 2], tile: u32, frame: u64) -> Picture {
                             DARK - texture
                         }
                     }
-                    // Tints change from tile to tile, in steps that the eye tells apart.
+                    // Tints change from tile to tile, in steps that the eye can distinguish.
                     _ => 96 + ((x / tile * 37 + y / tile * 59) * p as u32 % 64) as u8,
                 };
             }

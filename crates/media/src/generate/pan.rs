@@ -1,7 +1,7 @@
 //! How does one picture become a long moving clip, cheaply?
 //!
 //! A camera turns evenly: every frame is the same picture a little further on, by a part of a
-//! pixel, so that whoever codes it must interpolate. It is seen through a window that moves over a
+//! pixel, so that coding it needs interpolation. It is seen through a window that moves over a
 //! wider picture.
 
 use crate::parallel::in_parallel;

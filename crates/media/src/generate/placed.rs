@@ -19,7 +19,7 @@ const VALLEY: [u32; 2] = [2880, 1440];
 /// Cycles of every wave a second.
 const WAVE_SPEED: f64 = 0.5;
 
-/// A world that is drawn anew for each look at it.
+/// A world that is redrawn for each look at it.
 #[derive(Clone, Debug)]
 pub struct GeneratedWorld(Kind);
 
@@ -80,7 +80,7 @@ impl GeneratedWorld {
     }
 
     /// What a panel shows of it through its optics, as the eye sees it, where the world is painted
-    /// on what `placement` describes: infinitely far, or near an eye that is beside the middle.
+    /// on what `placement` describes: infinitely far, or near an eye that is off the middle.
     #[must_use]
     pub fn on_panel(&self, number: u64, panel: &Panel, placement: &Placement) -> DrawnRgb {
         let parts = panel.distortion.parts_colours();

@@ -10,7 +10,7 @@ use std::io::{Read, Result, Seek, SeekFrom};
 /// Where in a page of an index its checksum is, and how long that is.
 const CRC_AT: u64 = 12;
 const CRC_BYTES: usize = 4;
-/// Hexadecimal digits of a hash that tell packs apart.
+/// Hexadecimal digits of a hash that distinguish packs.
 const DIGITS: usize = 32;
 
 /// A hash over the header, the description and the checksum of every page of the index: with those

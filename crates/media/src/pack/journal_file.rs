@@ -1,6 +1,6 @@
 //! How does a preparation that was stopped go on where it was?
 //!
-//! Beside a pack that grows lies a journal ([`foveal_core::pack::Journal`]) that tells how
+//! Next to a pack that grows lies a journal ([`foveal_core::pack::Journal`]) that says how
 //! far the pack is good. It is made at the first step and goes away when the pack is whole, so
 //! there is
 //! at most one for each name of a pack.
@@ -74,7 +74,7 @@ impl JournalFile {
         let path = journal_path(partial);
         let bytes = read_journal(&path)?;
         let journal =
-            Journal::parse(&bytes).map_err(|e| format!("what lies beside it is damaged ({e})"))?;
+            Journal::parse(&bytes).map_err(|e| format!("its journal is damaged ({e})"))?;
         if let Some(difference) = journal.identity.difference(identity) {
             let why = match difference {
                 Difference::Program => "another version of the program began it",
@@ -85,7 +85,7 @@ impl JournalFile {
         }
         let unfinished = good_part(journal, file, draft);
         if unfinished.steps.is_empty() {
-            return Err("nothing of it is whole".to_owned());
+            return Err("nothing reusable was found".to_owned());
         }
         let good = identity.write().len()
             + unfinished
@@ -150,7 +150,7 @@ fn is_journal(path: &Path) -> bool {
 
 fn read_journal(path: &Path) -> Result<Vec<u8>, String> {
     let none = |e: Error| match e.kind() {
-        ErrorKind::NotFound => "nothing of it is whole".to_owned(),
+        ErrorKind::NotFound => "nothing reusable was found".to_owned(),
         _ => format!("{}: {e}", path.display()),
     };
     let (mut file, there) = open_unlinked(path).map_err(none)?;
@@ -184,7 +184,7 @@ fn good_part(journal: Journal, file: &File, draft: &Description) -> Unfinished {
     Unfinished { steps, builder }
 }
 
-/// Whether a step tells of the frames that follow `frames`, in tiles of the grid.
+/// Whether a step is for the frames that follow `frames`, in tiles of the grid.
 fn continues(step: &JournalStep, frames: u32, grid: &TileGrid) -> bool {
     let new = step.frames.checked_sub(frames).map(|new| new as usize);
     let exists = |chunk: &PlacedChunk| {

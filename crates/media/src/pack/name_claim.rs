@@ -17,8 +17,8 @@ pub enum IfTaken {
     Replace,
 }
 
-/// The right to write the pack of a name. Nobody else has it as long as it is held: the file in
-/// which the pack grows lies beside the name, and is locked.
+/// The right to write the pack of a name. It is exclusive while it is held: the file in
+/// which the pack grows lies next to the name, and is locked.
 ///
 /// ```no_run
 /// use foveal_media::pack::name_claim::{IfTaken, NameClaim};
@@ -167,7 +167,7 @@ fn refuse_anything_but_a_file(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Opens and locks the file that grows, and tells whether an earlier preparation left it.
+/// Opens and locks the file that grows, and returns whether an earlier preparation left it.
 fn lock(partial: &Path) -> Result<(File, bool), Error> {
     match open_rest(partial)? {
         Some(file) => Ok((file, true)),
@@ -199,7 +199,7 @@ fn in_the_way(partial: &Path, why: &str) -> Error {
 
 /// Opens and locks the rest of a `prepare` that was stopped; `None` where nothing lies.
 ///
-/// Refuses a link, somebody else's file, and one that another `prepare` is writing.
+/// Refuses a link, another user's file, and one that another `prepare` is writing.
 fn open_rest(partial: &Path) -> Result<Option<File>, Error> {
     let Ok(there) = std::fs::symlink_metadata(partial) else {
         return Ok(None);

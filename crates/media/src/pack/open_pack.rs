@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use thiserror::Error;
 
-/// What failed, why, and then what to do, which `what` tells behind a semicolon.
+/// What failed, why, and then what to do, which `what` gives after a semicolon.
 fn with_cause(what: &str, cause: &std::io::Error) -> String {
     match what.split_once("; ") {
         Some((what, next)) => format!("{what}: {cause}; {next}"),

@@ -161,9 +161,9 @@ impl PackFile {
         parsed.map(Some).map_err(|source| self.open.format(source))
     }
 
-    /// Reads every byte once and checks it: `progress` is told how many bytes are done of how many.
-    /// Returns what is damaged, nothing if all is well; of chunks or tables that overlap or leave
-    /// gaps that alone.
+    /// Reads every byte once and checks it: `progress` receives how many bytes are done of how
+    /// many. Returns what is damaged, nothing if all is well; of chunks or tables that overlap or
+    /// leave gaps that alone.
     pub fn verify(&self, mut progress: impl FnMut(u64, u64)) -> Damage {
         if let Err(source) = self.pack.check_coverage(self.open.header()) {
             return Damage::tangled(self.open.format(source));

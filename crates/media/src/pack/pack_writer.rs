@@ -17,7 +17,7 @@ use std::fs::File;
 use std::io::{BufWriter, Error, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Writes a pack beside its final name and renames it when it is whole: a `prepare` that fails or
+/// Writes a pack next to its final name and renames it when it is whole: a `prepare` that fails or
 /// is killed never leaves a half pack under the final name.
 #[derive(Debug)]
 pub(crate) struct PackWriter {
@@ -26,7 +26,7 @@ pub(crate) struct PackWriter {
     builder: PackBuilder,
     /// Where what is good is noted, for a pack that can be gone on with.
     journal: Option<JournalFile>,
-    /// Chunks that it tells of.
+    /// Chunks that it covers.
     journalled: usize,
     is_whole: bool,
 }
@@ -107,7 +107,7 @@ impl PackWriter {
                     });
                 }
                 Err(why) => {
-                    note = Some(format!("starts afresh: {why}"));
+                    note = Some(format!("starting over: {why}"));
                     old = Some(file);
                 }
             }
@@ -120,7 +120,7 @@ impl PackWriter {
         };
         let begun = begin();
         let (journal, file) = begun.map_err(|source| cannot_begin(claim.path(), source))?;
-        // Until now it was locked, so that nobody took it up.
+        // Until now it was locked, so that no other process took it up.
         drop(old);
         Ok(Begun {
             writer: Self::new(claim, file, builder, Some(journal)),

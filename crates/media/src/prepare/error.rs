@@ -30,7 +30,7 @@ pub enum PrepareError {
     #[error("{0}")]
     Option(String),
     /// Something would have to be mended, which was not to be.
-    #[error("{0}: {1}; leave --strict out to have it mended and told of")]
+    #[error("{0}: {1}; leave --strict out to have it repaired and reported")]
     Strict(String, String),
     /// It is not what it was when its preparation began.
     #[error("{0} changed while it was read; wait until it is finished, then prepare it again")]

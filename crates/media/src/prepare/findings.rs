@@ -1,4 +1,4 @@
-//! What does only the reading of an input show, and how is a pack told of it?
+//! What does only the reading of an input show, and how does a pack record it?
 
 pub(super) mod time_notes;
 
@@ -17,12 +17,12 @@ const MOST_BYTES: usize = 900;
 const MOST_OF_ONE: usize = 400;
 /// What is done to every film of its kind, and is no damage.
 const NO_DAMAGE: [&str; 1] = ["deinterlaced_frames"];
-/// A last frame of a film that is shown for longer is told; seconds.
+/// A last frame of a film that is shown for longer is reported; seconds.
 const LONG_LAST_S: f64 = 1.0;
-/// By how much the last frame must be shown longer than others, or shorter, to be told.
+/// By how much the last frame must be shown longer than others, or shorter, to be reported.
 const UNLIKE: f64 = 0.05;
 /// Of so many frames one place may lack some in an even film of so many at least; a frame that
-/// stands for more periods than this is meant to, or told of otherwise.
+/// stands for more periods than this is meant to, or reported otherwise.
 const HOLES: usize = 50;
 const LEAST_EVEN: usize = 8;
 const MOST_LENGTH: f64 = 1000.0;
@@ -33,13 +33,13 @@ const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
 pub(super) struct ReadThrough {
     pub(super) mended: Mended,
     /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
-    /// tells.
+    /// says so.
     pub(super) last_ns: Option<i64>,
 }
 
 /// What reading showed.
 pub(super) struct Findings {
-    /// What a person should know that no plan could tell.
+    /// What a person should know that no plan could say.
     pub(super) warnings: Vec<String>,
     repairs: BTreeMap<String, u64>,
     last_frame_s: Option<f64>,
@@ -55,7 +55,7 @@ pub(super) fn findings(
     let fps = plan.description.fps();
     let ReadThrough { mended, last_ns } = through;
     let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
-    // What does not come at the start is told of as that, and not as an end.
+    // What does not come at the start is reported as that, and not as an end.
     let left_out = mended.dropped_at_start + mended.lost;
     let of = plan
         .frames_told
@@ -136,7 +136,7 @@ fn missing_frames(times: &[i64], fps: f64) -> Missing {
     let lengths: Vec<f64> = lengths.collect();
     let even = lengths.iter().filter(|it| (0.9..1.1).contains(*it)).count();
     let gaps = || lengths.iter().filter(|it| **it > 1.5);
-    // A jump is told of as that.
+    // A jump is reported as that.
     let is_jump = |length: &f64| *length > MOST_LENGTH;
     let uneven = lengths.len() - even - gaps().count() + gaps().filter(|it| is_jump(it)).count();
     Missing {
@@ -149,7 +149,7 @@ fn missing_frames(times: &[i64], fps: f64) -> Missing {
     }
 }
 
-/// How long the last frame is shown, where that is told and is not a period.
+/// How long the last frame is shown, where that is known and is not a period.
 fn last_frame_s(plan: &PreparationPlan, times: &[i64], last_ns: Option<i64>) -> Option<f64> {
     let codec = plan.description.source.codec.as_str();
     let period = 1.0 / plan.description.fps();
@@ -178,7 +178,7 @@ impl Findings {
         }
     }
 
-    /// Writes it into a description, after what the plan told.
+    /// Writes it into a description, after what the plan said.
     pub(super) fn tell_in(&self, description: &mut Description) {
         let mut left = MOST_BYTES;
         let mut untold = 0;

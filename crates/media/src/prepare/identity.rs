@@ -45,8 +45,8 @@ impl FileStamp {
 /// Hexadecimal digits of a digest that a pack keeps: 128 bits.
 const DIGITS: usize = 32;
 
-/// What a pack tells of how it was made: the program by name, the rest as digests, so that a pack
-/// that is published tells nobody's folders.
+/// What a pack records of how it was made: the program by name, the rest as digests, so that a
+/// published pack gives away no folder.
 ///
 /// # Errors
 /// The input cannot be read.

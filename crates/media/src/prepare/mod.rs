@@ -72,7 +72,7 @@ const LEAST_READ_AHEAD: u64 = 2;
 pub struct Progress {
     /// Frames read and coded so far.
     pub frames: u32,
-    /// Frames in all, as far as the container tells.
+    /// Frames in all, as far as the container says.
     pub of: Option<u64>,
     /// Bytes of coded tiles so far.
     pub bytes: u64,
@@ -130,7 +130,7 @@ pub struct Prepared {
     pub description: Description,
     /// Bytes of the pack.
     pub bytes: u64,
-    /// What a person should know that no plan could tell.
+    /// What a person should know that no plan could say.
     pub warnings: Vec<String>,
 }
 
@@ -153,10 +153,10 @@ pub fn prepare(
     write_pack(input, plan, description, (writer, &[]), &mut tell)
 }
 
-/// What a preparation that can be gone on with tells while it works.
+/// What a resumable preparation reports while it works.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// It goes on where an earlier one was stopped, or starts afresh although there was one.
+    /// It goes on where an earlier one was stopped, or starts over although there was one.
     Begins(String),
     /// How far it is.
     Progress(Progress),
@@ -164,10 +164,10 @@ pub enum Event {
 
 /// Whom a preparation that can be gone on with turns to.
 pub trait Witness {
-    /// Hears what it tells.
+    /// Receives what it reports.
     fn tell(&mut self, event: Event);
 
-    /// What preparing lost, for the pack to tell, or none: the pack is whole, and lies under this
+    /// What preparing lost, for the pack to record, or none: the pack is whole, and lies under this
     /// name until it is given its own.
     fn loss_of(&mut self, _pack: &Path) -> Option<Loss> {
         None
@@ -188,7 +188,7 @@ impl<F: FnMut(Event)> Witness for F {
 /// As [`prepare`], to a name that was claimed; however it is stopped, the same call goes on after
 /// the last group of all levels that was whole, and ends with the same bytes.
 ///
-/// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie beside it. What was begun
+/// Until the pack is whole, `OUT.partial` and `OUT.partial.journal` lie next to it. What was begun
 /// from another or a changed input, with other settings or by another version is not gone on with,
 /// nor is anything where `go_on` is false; an event says so.
 pub fn prepare_resumable(
@@ -314,7 +314,7 @@ fn code(
             source,
         })?;
         let coded = code_frames(&receive, coder, sink, &mut progress);
-        // The reader stops when nobody listens.
+        // The reader stops when its receiver is gone.
         drop(receive);
         let read = reader
             .join()
@@ -396,7 +396,7 @@ struct Coder<'a> {
     shown: DecodedGroups,
     notes: Notes,
     times: Vec<i64>,
-    /// Times that [`Self::step`] has told.
+    /// Times that [`Self::step`] has returned.
     told: usize,
     frames: u32,
     bytes: u64,

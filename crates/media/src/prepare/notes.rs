@@ -17,7 +17,7 @@ pub(super) struct Notes {
     /// Of each level, in the order of its units: groups, in a group by rank.
     signatures: Vec<Vec<u8>>,
     cues: Vec<u8>,
-    /// Bytes of each of those that [`Self::new_rows`] has told, the cues' last.
+    /// Bytes of each of those that [`Self::new_rows`] has returned, the cues' last.
     told: Vec<usize>,
 }
 
@@ -42,7 +42,7 @@ impl Notes {
         rows.collect()
     }
 
-    /// Takes up what [`Self::new_rows`] told in an earlier run; false where it is not of this grid.
+    /// Takes up what [`Self::new_rows`] gave in an earlier run; false where it is not of this grid.
     pub(super) fn take_up(&mut self, rows: &[Vec<u8>]) -> bool {
         let all = self.signatures.iter_mut().chain([&mut self.cues]);
         for (known, new) in all.zip(rows) {

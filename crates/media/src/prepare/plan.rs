@@ -38,7 +38,7 @@ pub struct PreparationPlan {
     pub remarks: Remarks,
     /// Whether the input is one picture.
     pub is_still: bool,
-    /// Frames as far as the container tells.
+    /// Frames as far as the container says.
     pub frames: Option<u64>,
     /// Rate of each level, finest first.
     pub(super) rates: Vec<Rate>,
@@ -53,9 +53,9 @@ pub struct PreparationPlan {
     pub(super) stretch_to_full_range: bool,
     /// How the input is read.
     pub reading: ReadOptions,
-    /// Frames that the container tells of these pictures.
+    /// Frames that the container announces for these pictures.
     pub(super) frames_told: Option<u64>,
-    /// Whether its remarks tell of what is transparent.
+    /// Whether its remarks mention transparency.
     pub(super) tells_of_transparency: bool,
 }
 
@@ -154,7 +154,7 @@ impl PreparationPlan {
 
     /// Everything but the input and the program that the bytes of the pack depend on, as text.
     pub(super) fn what_decides_the_bytes(&self) -> String {
-        // Remarks tell of what decides, and decide nothing; quantisers that are looked for follow
+        // Remarks describe what decides, and decide nothing; quantisers that are looked for follow
         // from the input.
         let mut about = Description {
             remarks: Vec::new(),
@@ -240,7 +240,7 @@ fn losses(info: &SourceInfo) -> Vec<String> {
     let mut losses = Vec::new();
     losses.extend(info.transparency.map(|what| what.words().to_owned()));
     if info.is_hdr {
-        losses.push("its high dynamic range curve is kept and shown as if it were none".to_owned());
+        losses.push("its high dynamic range curve is kept and shown as standard range".to_owned());
     }
     losses
 }

@@ -94,7 +94,7 @@ pub enum ProjectionChoice {
     Equirect,
     /// The front half of the sphere (VR180).
     HalfEquirect,
-    /// Faces of a cube, laid out as their metadata or their shape tells.
+    /// Faces of a cube, laid out as their metadata or their shape says.
     Cube,
 }
 

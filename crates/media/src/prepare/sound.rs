@@ -94,7 +94,7 @@ struct OpusCoder {
 }
 
 impl OpusCoder {
-    #[allow(unsafe_code)] // ffmpeg-next does not tell how much silence an encoder puts first.
+    #[allow(unsafe_code)] // ffmpeg-next does not say how much silence an encoder puts first.
     fn open(channels: usize) -> Result<Self, String> {
         start();
         let codec = encoder::find_by_name("libopus")

@@ -263,7 +263,7 @@ pub(crate) fn has_alpha(frame: &Video) -> bool {
     matches!(components, 2 | 4) || format == Pixel::PAL8 && !is_opaque_palette(frame)
 }
 
-#[allow(unsafe_code)] // A palette has no line size, by which ffmpeg-next tells lengths.
+#[allow(unsafe_code)] // A palette has no line size, from which ffmpeg-next computes lengths.
 fn is_opaque_palette(frame: &Video) -> bool {
     // SAFETY: the second plane of a frame with a palette, where there is one, is its 256 entries of
     // four bytes, alpha in the highest of each.

@@ -50,7 +50,7 @@ impl VideoInput {
     /// # Errors
     /// As there; where it is strict, damage before the first frame too.
     pub fn open_with(path: &Path, options: ReadOptions) -> Result<Self, MediaError> {
-        // Opening a pipe would wait for somebody to write into it.
+        // Opening a pipe would wait for a writer.
         let bytes = file_bytes(path)?;
         let source = if let Some(still) = LargeStill::open(path)? {
             Source::Still(Box::new(still))
@@ -98,7 +98,7 @@ impl VideoInput {
         }
     }
 
-    /// How long the last picture is shown, in nanoseconds, as far as the file tells; to be asked
+    /// How long the last picture is shown, in nanoseconds, as far as the file says; to be asked
     /// after it.
     pub(crate) fn last_ns(&self) -> Option<i64> {
         match &self.source {

@@ -123,7 +123,7 @@ impl SoundReader {
                     self.damaged += u32::from(self.decoder.send_packet(&packet).is_err());
                     return Ok(());
                 }
-                // How the file ends is for whoever reads its pictures to tell.
+                // How the file ends is reported by the reader of its pictures.
                 Ok(false) | Err(_) if !self.is_at_end => {
                     self.is_at_end = true;
                     return self.decoder.send_eof().map_err(|e| e.to_string());

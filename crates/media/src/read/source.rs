@@ -22,7 +22,7 @@ const HIGHEST_RATE: f64 = 1000.0;
 /// same as another that its stamps were rounded to, within this.
 const MUCH_FASTER: f64 = 4.0;
 const ROUNDED: f64 = 0.1;
-/// Entries of an index that are looked at, and fewest lengths that tell of a usual one.
+/// Entries of an index that are looked at, and fewest lengths that show a usual one.
 const MOST_ENTRIES: i32 = 100_000;
 const LEAST_ENTRIES: usize = 3;
 
@@ -35,12 +35,12 @@ pub struct SourceInfo {
     pub height: u32,
     /// Average frames a second as numerator and denominator, both positive; 25/1 if unknown.
     pub frame_rate: [i32; 2],
-    /// Number of frames as far as the container tells; an estimate.
+    /// Number of frames as far as the container says; an estimate.
     pub frames: Option<u64>,
-    /// The same where the container tells it of these pictures, and not of the whole file: what
+    /// The same where the container gives it for these pictures, and not for the whole file: what
     /// is less was cut off.
     pub frames_told: Option<u64>,
-    /// Length in seconds as far as the container tells; an estimate.
+    /// Length in seconds as far as the container says; an estimate.
     pub seconds: Option<f64>,
     /// Colour of the pictures as delivered.
     pub colour: Colour,
@@ -106,7 +106,7 @@ pub struct Sound {
     pub channels: u16,
 }
 
-/// The best sound stream of the file, as far as the container tells.
+/// The best sound stream of the file, as far as the container says.
 pub(crate) fn sound_of(input: &Input) -> Option<Sound> {
     let stream = input.streams().best(Type::Audio)?;
     let parameters = stream.parameters();
@@ -169,7 +169,7 @@ pub(crate) fn frame_rate_of(stream: &Stream) -> [i32; 2] {
 }
 
 /// Frames a second by what most frames of a container's index last; none where it holds few.
-#[allow(unsafe_code)] // ffmpeg-next does not tell the index of a stream.
+#[allow(unsafe_code)] // ffmpeg-next does not give the index of a stream.
 fn usual_rate_of(stream: &Stream) -> Option<av::Rational> {
     // SAFETY: the stream is alive and nothing reads on in this call; an entry is null or lies in
     // its index.
@@ -224,9 +224,9 @@ pub(crate) fn frames_of(seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
     seconds.map(|s| (s * frames / per).round().max(1.0) as u64)
 }
 
-/// Number of frames that the container tells of this stream, without those that it says are not
-/// to be shown.
-#[allow(unsafe_code)] // ffmpeg-next tells neither the index of a stream nor how lengths were found.
+/// Number of frames that the container announces for this stream, without those that it says are
+/// not to be shown.
+#[allow(unsafe_code)] // ffmpeg-next gives neither the index of a stream nor how lengths were found.
 pub(crate) fn frames_told(input: &Input, stream: &Stream, rate: [i32; 2]) -> Option<u64> {
     // SAFETY: the context and its stream are alive, and nothing reads on in this call; an entry is
     // null or lies in the stream's index.
@@ -257,7 +257,7 @@ pub(crate) fn frames_told(input: &Input, stream: &Stream, rate: [i32; 2]) -> Opt
     .map(|frames| frames.max(1))
 }
 
-/// Largest number of a pixel's shape that is told: finer differences nobody sees.
+/// Largest number of a pixel's shape that is reported: finer differences are not visible.
 const FINEST_SHAPE: i32 = 4096;
 /// Widest and narrowest pixel that is believed.
 const WIDEST_PIXEL: f64 = 8.0;

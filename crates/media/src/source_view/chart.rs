@@ -119,7 +119,7 @@ impl Chart {
         }
     }
 
-    /// The face beside and the place on it, for a place beyond the border of a cube's face.
+    /// The neighbouring face and the place on it, for a place beyond the border of a cube's face.
     pub(super) fn beyond(&self, face: usize, place: [f64; 2]) -> Option<(usize, [f64; 2])> {
         if !matches!(self.surround, Surround::Cube(_)) {
             return None;

@@ -1,8 +1,8 @@
 //! What does a face show around a pole?
 //!
-//! Each source row near the pole is brought to about 0.6 face samples of spacing along its circle;
-//! then every sample counts by its place on the face and the area it stands for. So a row beyond
-//! the pole counts where it lies, on the other side.
+//! Each source row near the pole is resampled to about 0.6 face samples of spacing along its
+//! circle; then every sample counts by its place on the face and the area it stands for. So a row
+//! beyond the pole counts where it lies, on the other side.
 
 pub(super) mod table;
 
@@ -113,7 +113,7 @@ impl Cap {
         code_value(sum / total)
     }
 
-    /// Tells each sample that counts at a place of the tangent plane, and how much.
+    /// Lists each sample that counts at a place of the tangent plane, and how much.
     fn each_weight(
         &self,
         plane: &Plane,

@@ -81,7 +81,7 @@ impl PaddedCube {
         self.surface.size[0] as usize + 2 * self.margin
     }
 
-    /// The faces with every margin sample computed anew from its place on the neighbour.
+    /// The faces with every margin sample computed again from its place on the neighbour.
     fn refill(&self, mut sample: impl FnMut(&Self, u32, [f64; 2]) -> u8) -> Vec<Vec<u8>> {
         let (side, margin) = (self.side(), self.margin);
         let inside = margin..side - margin;

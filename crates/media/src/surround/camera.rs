@@ -18,7 +18,7 @@ pub enum Camera {
     InstaPicture,
     /// Insta360's `.insv`: two fisheyes in one picture, in two tracks, or in two files.
     InstaFilm(Fisheyes),
-    /// Two fisheyes beside each other, by their look: film, or a picture.
+    /// Two fisheyes side by side, by their look: film, or a picture.
     TwoFisheyes {
         /// Whether it is one picture.
         is_still: bool,
@@ -28,7 +28,7 @@ pub enum Camera {
 /// Where the pictures of two lenses lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fisheyes {
-    /// Beside each other in a picture.
+    /// Side by side in a picture.
     OnePicture,
     /// In two video tracks.
     TwoTracks,
@@ -129,7 +129,7 @@ impl Camera {
                     );
                 }
                 two(
-                    "shows two fisheyes beside each other, as 360° cameras store them",
+                    "shows two fisheyes side by side, as 360° cameras store them",
                     &format!("ffmpeg -i FILE -vf {JOINED} OUT_360.{ending}"),
                 )
             }
@@ -145,14 +145,14 @@ fn is_of_gopro(input: &Input) -> bool {
     })
 }
 
-/// Whether a picture has the shape of two fisheyes beside each other.
+/// Whether a picture has the shape of two fisheyes side by side.
 pub(crate) fn may_be_two_fisheyes([w, h]: [u32; 2]) -> bool {
     let [w, h] = [w, h].map(u64::from);
     w >= 256 && w <= 2 * h && 9 * w >= 15 * h
 }
 
-/// Whether a picture, of code value `black` where it is black, shows two bright discs beside each
-/// other that touch its borders, with black round them.
+/// Whether a picture, of code value `black` where it is black, shows two bright discs side by
+/// side that touch its borders, with black round them.
 pub(crate) fn shows_two_fisheyes(picture: &Picture, black: u8) -> bool {
     let size = [picture.width, picture.height].map(f64::from);
     let radius = size[0] / 4.0;

@@ -34,7 +34,7 @@ pub(crate) fn clean_aperture_of(path: &Path) -> Option<CleanAperture> {
 }
 
 /// The pixels that numerators and denominators of width, height, and the way from the middle to the
-/// right and down tell.
+/// right and down give.
 fn part(numbers: [u32; 8], coded: [u32; 2]) -> Option<[u32; 4]> {
     let ratio = |k: usize| {
         let [over, under] = [numbers[2 * k] as i32, numbers[2 * k + 1] as i32].map(f64::from);

@@ -43,16 +43,17 @@ pub(crate) struct SurroundOfEyes {
 }
 
 /// The one picture of both eyes, twice as wide as high, counts as a sphere from this width on when
-/// nothing else tells; so do two eyes that share one of that shape and width, one above the other.
+/// nothing else decides; so do two eyes that share one of that shape and width, one above the
+/// other.
 const SPHERE_WIDTH: u32 = 3840;
-/// Six square faces in a row count as a cube from this face size on when nothing else tells.
+/// Six square faces in a row count as a cube from this face size on when nothing else decides.
 const CUBE_FACE: u32 = 256;
 /// A flat eye narrower than this, width over height, was squeezed to half its width.
 const NARROWEST: f64 = 1.2;
 /// A flat eye wider than this was squeezed to half its height.
 const WIDEST: f64 = 2.8;
 
-/// A sphere this many times as wide or as high as its angles is told to be stretched.
+/// A sphere this many times as wide or as high as its angles is reported as stretched.
 const STRETCHED: f64 = 1.02;
 
 /// Finds how `input` surrounds the eyes, and says what was assumed; refuses what does not fit.
@@ -213,7 +214,7 @@ fn eyes_by_name(
     };
     let words = words_of(eyes);
     remarks.note(format!(
-        "taken for two eyes, {words}, {why}; give --stereo mono if it is not"
+        "treated as two eyes, {words}, {why}; give --stereo mono if it is not"
     ));
     eyes
 }
@@ -372,7 +373,7 @@ impl Found<'_> {
                 (false, false) => format!("its {shape} size"),
             };
             remarks.note(format!(
-                "taken for {what} by {why}; give --projection flat if it is not"
+                "treated as {what}, judging by {why}; give --projection flat if it is not"
             ));
         };
         if self.words.names_equiangular() {
@@ -415,7 +416,7 @@ impl Found<'_> {
     }
 
     /// Whether an eye's picture has the shape of a whole sphere, and something else speaks for one:
-    /// the name, a second eye, or its width. `foveal prepare video --help` tells this rule.
+    /// the name, a second eye, or its width. `foveal prepare video --help` gives this rule.
     fn is_sphere(&self, named: bool) -> bool {
         let [w, h] = self.shape;
         let is_wide = self.eye_size[0] >= SPHERE_WIDTH;
@@ -437,7 +438,7 @@ fn by_photo_sphere(sphere: &PhotoSphere, remarks: &mut Remarks) -> Surround {
         }
         Some(why) => {
             remarks.note(format!(
-                "taken for flat by its photo sphere metadata (GPano), where {why}; give \
+                "treated as flat, judging by its photo sphere metadata (GPano), where {why}; give \
                  --projection equirect if it is 360°"
             ));
             Surround::Flat
@@ -482,7 +483,7 @@ fn squeeze_of(surround: Surround, [w, h]: [u32; 2], remarks: &mut Remarks) -> [u
         _ => return [1, 1],
     };
     remarks.note(format!(
-        "each eye's {w}x{h} pixels are taken for half the {}",
+        "each eye's {w}x{h} pixels are treated as half the {}",
         said.1
     ));
     said.0

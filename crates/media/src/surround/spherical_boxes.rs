@@ -6,7 +6,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
-/// Boxes looked at before the rest of a file is taken for sound.
+/// Boxes looked at before the rest of a file counts as intact.
 const MOST_BOXES: u32 = 100_000;
 /// Bytes of a video sample entry before its own boxes.
 const SAMPLE_ENTRY: u64 = 78;
@@ -35,7 +35,7 @@ pub struct BrokenBox {
 pub enum Ffmpeg {
     /// It does not open the file.
     Refuses,
-    /// It takes for the box what is none of it, or one of two that contradict each other.
+    /// It takes something else for the box, or one of two that contradict each other.
     Misreads,
     /// It reads on as if the box were not there.
     PassesOver,

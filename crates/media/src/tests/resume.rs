@@ -28,7 +28,8 @@ fn claimed(out: &Path) -> NameClaim {
     NameClaim::of(out, IfTaken::Replace).unwrap()
 }
 
-/// Prepares until `stop` frames are coded; returns what it told, and whether it came to the end.
+/// Prepares until `stop` frames are coded; returns what it reported, and whether it came to the
+/// end.
 fn run(
     clip: &Path,
     out: &Path,
@@ -123,7 +124,7 @@ fn torn_and_damaged_ends_are_coded_again() {
 }
 
 #[test]
-fn what_differs_is_named_and_started_afresh() {
+fn what_differs_is_named_and_started_over() {
     let clip = clip();
     let out = Scratch::new("foveal");
     let other = PrepareSettings {
@@ -138,7 +139,7 @@ fn what_differs_is_named_and_started_afresh() {
         let (notes, ended) = run(&clip, &out, settings, go_on, u32::MAX);
         assert!(ended && nothing_left(&out));
         assert!(
-            notes[0].contains("starts afresh") && notes[0].contains(word),
+            notes[0].contains("starting over") && notes[0].contains(word),
             "{notes:?}"
         );
         assert_eq!(bytes(&out), bytes(&prepared(&clip, settings)));
@@ -230,7 +231,7 @@ fn a_pack_that_cannot_be_read_back_gets_no_name() {
     assert!(nothing_left(&out));
 }
 
-/// Somebody who is shown the whole pack, and tells what was lost unless stopped.
+/// A guide that is shown the whole pack, and says what was lost unless stopped.
 struct Judge {
     stops: bool,
 }

@@ -128,7 +128,7 @@ fn the_tables_are_the_same_bytes_for_any_number_of_jobs() {
         assert_eq!(tables(jobs, Codec::Png), lossless, "{jobs} jobs");
         assert_eq!(tables(jobs, Codec::Vp9), coded, "{jobs} jobs");
     }
-    // Signatures tell of what is decoded, cues of what was coded.
+    // Signatures describe what is decoded, cues what was coded.
     assert_ne!(coded[0], lossless[0]);
     assert_eq!(coded[1], lossless[1]);
 }

@@ -96,7 +96,7 @@ impl GroupDecoder {
     }
 
     /// Decodes one access unit, and returns the picture with the frame number that came out of the
-    /// decoder beside it: the caller compares it with the one that it gave in.
+    /// decoder with it: the caller compares it with the one that it gave in.
     ///
     /// # Errors
     /// Damaged data, a first access unit that is no key frame, a picture of another size or format,

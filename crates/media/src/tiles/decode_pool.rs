@@ -1,8 +1,8 @@
 //! How do the tiles of a frame become pictures at once, on all cores?
 //!
 //! Every tile that is followed keeps a decoder of its own. Asked for a frame in the middle of a
-//! group, the decoder starts at the group's key frame and catches up without showing; whoever
-//! shows pictures keeps a coarser level on screen meanwhile. The coarsest level, which every frame
+//! group, the decoder starts at the group's key frame and catches up without showing; a
+//! coarser level stays on screen meanwhile. The coarsest level, which every frame
 //! needs wherever the gaze is, has a worker of its own that runs ahead. The frame number of a
 //! picture is what came out of the decoder, so that tiles of different frames are never mixed
 //! unnoticed.
@@ -96,7 +96,7 @@ struct Coarsest {
 }
 
 impl Coarsest {
-    /// The next tile to decode, and whether somebody waits for it.
+    /// The next tile to decode, and whether it is waited for.
     fn next(&mut self) -> Option<(Tile, u32, bool)> {
         let asked = self
             .queue
@@ -204,7 +204,7 @@ impl DecodePool {
             &self.shared.wake
         };
         if let Some(done) = state.coarsest.ready.remove(&(tile, frame)) {
-            // Nobody need be woken to hand over what is there.
+            // Already decoded: no wake-up.
             let frames = pack.description().frames;
             state.coarsest.look_ahead(tile, frame, frames);
             self.at_hand.push_back(done);
@@ -317,7 +317,7 @@ impl Shared {
 
     fn decode(&self, tile: Tile, frame: u32) -> DecodedTile {
         let mut decoded = 0;
-        // A lost answer would leave whoever waits for it waiting for ever.
+        // A lost answer would leave its receiver waiting for ever.
         let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
             self.follow(tile, frame, &mut decoded)
         }));

@@ -1,7 +1,7 @@
 //! Which decoder follows which tile?
 //!
 //! A tile's pictures build on each other, so every tile that is followed keeps a decoder of its
-//! own. A decoder that nobody has asked for lately is given to the next tile of its size: opening
+//! own. A decoder that was not used recently is given to the next tile of its size: opening
 //! one is cheap, filling its memory for the first time is not.
 
 use crate::tiles::decode::GroupDecoder;
@@ -33,7 +33,7 @@ impl std::fmt::Debug for Stream {
     }
 }
 
-/// The decoders that nobody uses at the moment.
+/// The decoders that are not in use at the moment.
 #[derive(Debug, Default)]
 pub(crate) struct Streams {
     resting: HashMap<Tile, (u64, Stream)>,

@@ -90,7 +90,7 @@ impl HardwareDevice {
         }
     }
 
-    /// A device that is not there, whose decoders are told to decode to `format`.
+    /// A device that is not there, whose decoders are set to decode to `format`.
     #[cfg(test)]
     #[allow(unsafe_code, reason = "ffmpeg-next does not wrap hardware contexts")]
     pub(crate) fn pretended(format: ffi::AVPixelFormat) -> Arc<Self> {

@@ -13,7 +13,7 @@ use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 
 impl Player {
-    /// Whether the losses that are expected of frames foretell a score: where a link limits what is
+    /// Whether the losses that are expected of frames predict a score: where a link limits what is
     /// bought only if a judge saw the content while it was prepared.
     #[must_use]
     pub fn knows_score(&self) -> bool {

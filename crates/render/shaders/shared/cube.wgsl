@@ -15,7 +15,7 @@ fn side_of(face: u32) -> u32 {
     return select(face, face - tiles.faces_of_an_eye, face >= tiles.faces_of_an_eye);
 }
 
-// Whether there are faces over the borders of axis k: always beside, not always above and below.
+// Whether there are faces over the borders of axis k: always at the sides, not always over poles.
 fn has_beside(k: u32) -> bool {
     return k == 0u || tiles.faces_of_an_eye == 6u;
 }

@@ -116,14 +116,14 @@ fn last_tap(axis: Axis) -> Tap {
     return tap_at(axis, axis.last_segment, samples_in(axis, axis.last_segment) - 1);
 }
 
-// How far beyond the low and the high border the next sample lies: beside, the other border's;
-// over a pole, the same row's.
+// How far beyond the low and the high border the next sample lies: at the sides, the other
+// border's; over a pole, the same row's.
 fn beyond_edges(face: u32, axis: Axis, k: u32) -> vec2f {
     let depths = vec2f(tap_at(axis, 0, 0).centre, axis.size - last_tap(axis).centre);
     return select(depths.yx, depths, k == 1u);
 }
 
-// Over a pole the border row goes on half a turn away, where it is interpolated anew.
+// Over a pole the border row goes on half a turn away, where it is interpolated again.
 fn corner_sample(
     corner: u32, plane: u32, level: u32, face: u32, place: vec2f, x: Bracket, y: Bracket,
 ) -> vec2f {

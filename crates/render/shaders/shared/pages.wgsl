@@ -36,7 +36,7 @@ fn pages_of(size: vec2u, level: u32) -> vec2u {
     return (texels + PAGE_SIDE - 1u) / PAGE_SIDE;
 }
 
-// A place within the texture, 0 to 1, that shows what lies beside it.
+// A place within the texture, 0 to 1, that shows what lies outside it.
 fn wrapped(wrap: u32, along: f32) -> f32 {
     if (wrap == CLAMP) {
         return clamp(along, 0.0, 1.0);

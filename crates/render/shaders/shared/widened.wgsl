@@ -1,6 +1,6 @@
 // How coarse may a place of one face look, for the cells nearby?
 
-// The footprint at a place of `face` (or, unfolded, beside it), given what is known to be shown.
+// The footprint at a place of `face` (or, unfolded, next to it), given what is known to be shown.
 fn widened(face: u32, place: vec2f, known: f32) -> f32 {
     let reach = tiles.growth * (tiles.coarsest_scale - known);
     if (reach <= 0.0) {

@@ -35,7 +35,7 @@ pub fn storage(gpu: &Gpu, what: &'static str, bytes: u64) -> Result<wgpu::Buffer
     gpu.roomed((what, bytes), |_| written(gpu, what, bytes.max(8), usage))
 }
 
-/// A buffer for `usage` that holds the bytes of `values`, no more; it can be written anew.
+/// A buffer for `usage` that holds the bytes of `values`, no more; it can be rewritten.
 pub fn filled<T: bytemuck::NoUninit>(
     gpu: &Gpu,
     what: &'static str,

@@ -66,7 +66,7 @@ impl Gpu {
     /// What `make` makes, where the GPU's memory has room for its `bytes`.
     ///
     /// # Errors
-    /// [`RenderError::OutOfMemory`] when it has not; in a browser that is told later, by what is
+    /// [`RenderError::OutOfMemory`] when it has not; in a browser that shows later, in what is
     /// drawn.
     pub(crate) fn roomed<T>(
         &self,
@@ -179,7 +179,7 @@ impl Gpu {
 fn described(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> wgpu::DeviceDescriptor<'static> {
     wgpu::DeviceDescriptor {
         label: Some("foveal"),
-        // Tells how long passes take; nothing else depends on it.
+        // Measures how long passes take; nothing else depends on it.
         required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
         required_limits: limits,
         ..wgpu::DeviceDescriptor::default()
@@ -191,7 +191,7 @@ fn describe(info: &wgpu::AdapterInfo) -> String {
     let mut parts = vec![driver.trim().to_owned(), info.backend.to_string()];
     parts.retain(|part| !part.is_empty());
     let rest = parts.join(", ");
-    // A browser may tell nothing but the interface.
+    // A browser may report nothing but the interface.
     match info.name.as_str() {
         "" => rest,
         name => format!("{name} ({rest})"),

@@ -6,7 +6,7 @@ use crate::gpu::device::Gpu;
 /// Format of every picture drawn.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// Format of what tells the steps of a pass which pixels are drawn already.
+/// Format of the mask that says which pixels a pass has drawn already.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth16Unorm;
 
 /// What passes draw on: a picture, and which of its pixels are drawn already.

@@ -97,7 +97,7 @@ impl Importance {
     /// first: rgba8unorm textures of sRGB codes with `TEXTURE_BINDING`, such as
     /// [`crate::Renderer::draw`] returns.
     ///
-    /// When the gaze has another spread than the last one its table is made anew: some
+    /// When the gaze has another spread than the last one its table is rebuilt: some
     /// milliseconds of CPU.
     ///
     /// # Errors

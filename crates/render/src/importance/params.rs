@@ -145,7 +145,7 @@ impl EyeParams {
     }
 }
 
-/// The place in the picture (or beside it) that the view's axis goes through.
+/// The place in the picture (or outside it) that the view's axis goes through.
 fn axis_place(onlooker: &Onlooker) -> [f64; 2] {
     let (field, [w, h]) = (onlooker.view.field, onlooker.view.size.map(f64::from));
     [

@@ -14,7 +14,7 @@ use std::time::Duration;
 pub struct UnitGains {
     /// Value of every unit and step: `[step][unit]`, step i from level i + 1 to level i.
     pub per_step: Vec<Vec<f64>>,
-    /// How long the passes took on the GPU, where the adapter tells.
+    /// How long the passes took on the GPU, where the adapter reports it.
     pub gpu_time: Option<Duration>,
 }
 

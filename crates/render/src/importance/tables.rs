@@ -62,7 +62,7 @@ impl EyeTables {
 }
 
 /// What is resolved at the eccentricity of a row: by how many octaves frequency is raised, then
-/// degrees per cycle from straight below the gaze over beside it to straight above.
+/// degrees per cycle from straight below the gaze, past its side, to straight above.
 fn place_row(parameters: &Parameters, row: usize) -> [f32; 2 * HALF_COLUMNS + 2] {
     let degrees = FIRST_DEG * ((row as f64 / ROWS_PER_OCTAVE).exp2() - 1.0);
     let eccentricity = Radians::from_degrees(degrees.min(180.0));

@@ -187,7 +187,7 @@ impl SceneDrawer {
         }
     }
 
-    /// Tells a session what parts of the view units would refine, where it chooses by that: what
+    /// Gives a session what parts of the view units would refine, where it chooses by that: what
     /// was measured since the last call. Begins to measure what is drawn now, where that is due.
     ///
     /// # Errors
@@ -260,7 +260,7 @@ impl SceneDrawer {
         Ok(())
     }
 
-    /// Lets the device tell what it is done with, or waits until it is done with all.
+    /// Lets the device report what it is done with, or waits until it is done with all.
     fn poll(&self, waits: bool) -> Result<(), RenderError> {
         let DrawDevice::Gpu(gpu) = &self.device else {
             return Ok(());

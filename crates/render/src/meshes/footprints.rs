@@ -20,7 +20,7 @@ use foveal_core::view::eye_view::EyeView;
 const MOST_SIDE: u32 = 640;
 /// Pixels of the display that one of its pixels stands for on a side, at least.
 const LEAST_SHARE: u32 = 2;
-/// Largest angle that is told, in sixteenths of a degree.
+/// Largest angle that is reported, in sixteenths of a degree.
 pub(crate) const MOST_ANGLE: u32 = 4095;
 /// Texels on a side of a workgroup.
 const WORKGROUP: [u32; 2] = [8, 8];

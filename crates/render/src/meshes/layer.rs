@@ -67,7 +67,7 @@ pub struct SceneLayer {
     footprints: Option<FootprintPass>,
     output: PictureTarget,
     unit_image: Option<wgpu::Texture>,
-    /// What units are worth, where pictures are to tell that.
+    /// What units are worth, where pictures are to show that.
     marks: Option<UnitMarks>,
     /// Where there are clouds of points.
     clouds: Option<PointLayer>,
@@ -140,7 +140,7 @@ impl SceneLayer {
         Ok(())
     }
 
-    /// Tells meshes what clouds take of the memory.
+    /// Gives meshes what clouds use of the memory.
     fn share(&mut self) {
         let clouds = self.clouds.as_ref().map(PointLayer::point_bytes);
         self.memory.share(clouds.unwrap_or_default());
@@ -222,7 +222,7 @@ impl SceneLayer {
     }
 
     /// From now on these are the units that would refine clusters, each by its unit and its number
-    /// in it: what [`Self::ids`] shows. Only those of units that are there or will be need be told.
+    /// in it: what [`Self::ids`] shows. Only those of units that are there or will be are needed.
     pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
         if let Some(clouds) = &mut self.clouds {
             clouds.set_refiners(refiners.clone());

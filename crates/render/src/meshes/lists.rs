@@ -9,7 +9,7 @@ use crate::meshes::pool::most_bound;
 
 /// Bytes of a cluster in a list: its first word and its placement.
 const BYTES: u64 = 8;
-/// Words of what tells the GPU how much to draw, and of what is counted beside.
+/// Words of the GPU's drawing arguments, and of what is counted besides.
 const ARGUMENT_WORDS: usize = 8;
 /// Bytes of a word.
 const WORD: u64 = 4;
@@ -97,7 +97,7 @@ impl DrawList {
         }
     }
 
-    /// Those that may be seen, no more: a shader tells by its length how many there are.
+    /// Those that may be seen, no more: a shader sees by its length how many there are.
     pub(crate) fn candidates(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.candidates,

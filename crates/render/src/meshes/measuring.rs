@@ -12,7 +12,7 @@ use std::future::Future;
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-/// A gaze that moved less is measured for already: an eccentricity is told less finely.
+/// A gaze that moved less is measured for already: an eccentricity is recorded less finely.
 const STILL: Radians = Radians(core::f64::consts::PI / 180.0 / 8.0);
 
 type Coming = Pin<Box<dyn Future<Output = Result<Vec<Footprint>, RenderError>>>>;

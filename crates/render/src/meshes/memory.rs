@@ -61,7 +61,7 @@ pub(crate) struct UnitMemory {
     most_bytes: u64,
     /// What others take of these bytes: of those in use, and of all.
     others: [u64; 2],
-    /// Bytes that pages of textures take beside.
+    /// Bytes that pages of textures take besides.
     beside_bytes: u64,
     refiners: HashMap<(UnitId, u8), UnitId>,
 }
@@ -117,7 +117,7 @@ impl UnitMemory {
         self.most()[1].saturating_sub(taken)
     }
 
-    /// Bytes that pages may take beside both pools and clouds as they are.
+    /// Bytes that pages may take besides both pools and clouds as they are.
     pub(crate) fn room_beside(&self) -> u64 {
         let taken = self.bytes() + self.others[1];
         self.most()[1].saturating_sub(taken)
@@ -134,7 +134,7 @@ impl UnitMemory {
     }
 
     /// Writes a unit that is among `units` to the GPU; where what is free lies in too small pieces,
-    /// all that is there is packed anew.
+    /// all that is there is packed again.
     ///
     /// # Errors
     /// It does not fit: nothing changed then.
@@ -166,7 +166,7 @@ impl UnitMemory {
         }
     }
 
-    /// From now on these units are told as what refines clusters, of units that are there or come.
+    /// From now on these units refine clusters, of units that are there or come.
     pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
         self.refiners = refiners;
         for ((unit, cluster), refiner) in &self.refiners {
@@ -195,7 +195,7 @@ impl UnitMemory {
         }
     }
 
-    /// Writes all units anew, one after the other, in pools of so many bytes, but of an eighth more
+    /// Rewrites all units, one after the other, in pools of so many bytes, but of an eighth more
     /// than they need at least.
     pub(crate) fn pack(&mut self, units: &SceneUnits, most: u64) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);

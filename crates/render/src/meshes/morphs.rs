@@ -29,7 +29,7 @@ impl Morphs {
         !self.begun.is_empty()
     }
 
-    /// A unit comes: on its way from `now` on, where somebody sees that and there was a picture
+    /// A unit comes: on its way from `now` on, where the viewer sees that and there was a picture
     /// before, and where what it needs is on its way. Where too many are, all arrive.
     pub(crate) fn begin(
         &mut self,
@@ -54,7 +54,7 @@ impl Morphs {
         }
     }
 
-    /// Lets those arrive whose time is over at `now`, and all where nobody sees it.
+    /// Lets those arrive whose time is over at `now`, and all where the viewer does not see it.
     pub(crate) fn advance(&mut self, witness: &StepWitness, now: Seconds) {
         let is_under_way = |begun: &Seconds| now.0 - begun.0 < WAY.0;
         self.begun

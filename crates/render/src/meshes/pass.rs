@@ -7,8 +7,8 @@ use crate::meshes::lists::DrawList;
 use crate::pages::PageLayer;
 use crate::shaders::{self, Shader};
 
-/// Format of the depths of clusters: the nearest is the largest, so that single precision tells
-/// depths apart as well near as far.
+/// Format of the depths of clusters: the nearest is the largest, so that single precision
+/// distinguishes depths as well near as far.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Format of an image of units.
 pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;

@@ -77,7 +77,7 @@ impl Placement {
         let normals = columns(normal_matrix(self.world_from_object)).map(|it| in_view(view, it));
         let eye = self.world_from_grid.inverse();
         let eye = eye.transform_vector3(view.position - translation);
-        // Beyond that, single precision tells too little of it.
+        // Beyond that, single precision holds too little of it.
         let is_known = eye.abs().max_element() < 1e7;
         let [x, y, z] = if is_known { eye } else { DVec3::ZERO }
             .as_vec3()
@@ -106,7 +106,7 @@ fn flags(object: &SceneObject, world_from_object: DMat3) -> u32 {
 }
 
 /// How places on the grid of an object's textures become those on textures. What repeats begins
-/// near 0, where single precision tells more.
+/// near 0, where single precision holds more.
 fn uv_from_grid(object: &SceneObject, pages: &PageTable) -> [f32; 4] {
     let Some(texturing) = &object.texturing else {
         return [0.0; 4];

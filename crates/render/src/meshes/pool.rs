@@ -87,7 +87,7 @@ impl Pool {
     }
 }
 
-/// Bytes that the device binds at most, in whole places: drivers tell odd numbers.
+/// Bytes that the device binds at most, in whole places: drivers report odd numbers.
 pub(crate) fn most_bound(gpu: &Gpu) -> u64 {
     const PLACES: u64 = 256;
     let limits = gpu.device.limits();

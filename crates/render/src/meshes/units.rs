@@ -22,7 +22,7 @@ pub struct ComingUnit<'a> {
     pub says: &'a MeshUnit,
 }
 
-/// What is known of a unit that is there, beside its clusters.
+/// What is known of a unit that is there, besides its clusters.
 #[derive(Clone, Debug)]
 pub(crate) struct UnitNote {
     /// Number of its object.

@@ -1,7 +1,7 @@
 //! Where do the levels lie that are coarser than the coarsest page?
 //!
 //! They are made of it, by halves down to one texel, and share one slot: the first at its left, the
-//! others beside it, one below the other.
+//! others to its right, one below the other.
 
 use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::picture::TexturePicture;

@@ -106,7 +106,7 @@ impl StandingCube {
             DVec3::new(0.0, 1.0, field.up),
             DVec3::new(0.0, -1.0, field.down),
         ];
-        // A pixel beside the view: a square is never smaller.
+        // A pixel outside the view: a square is never smaller.
         let beside = |plane: &DVec3| plane.dot(at) < -(radius + 0.01 * at.z.abs()) * plane.length();
         at.z + radius >= near && !planes.iter().any(beside)
     }

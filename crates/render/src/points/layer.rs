@@ -94,7 +94,7 @@ impl PointLayer {
         Ok(())
     }
 
-    /// Writes a unit anew whose colours changed.
+    /// Rewrites a unit whose colours changed.
     fn rewrite(&self, unit: Option<UnitId>) {
         let Some(unit) = unit else { return };
         let Some((note, placed)) = self.units.unit(unit) else {

@@ -22,7 +22,7 @@ pub struct ComingPoints<'a> {
     pub says: &'a PointUnit,
 }
 
-/// What is known of a unit that is there, beside its points.
+/// What is known of a unit that is there, besides its points.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CloudNote {
     /// Number of its object.

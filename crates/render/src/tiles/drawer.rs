@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 /// Most layers of the atlas: 256 is what a browser gives.
 const MOST_LAYERS: u32 = 256;
-/// Shares by which a pixel's angle may differ before a mask is made anew.
+/// Shares by which a pixel's angle may differ before a mask is made again.
 const SAME_PITCH: f64 = 1e-6;
 
 /// How tiles become a picture.
@@ -106,7 +106,7 @@ impl TileDrawer {
         self.style
     }
 
-    /// From now on shows tiles like this; `true` where all of them must come anew. What cannot be
+    /// From now on shows tiles like this; `true` where all of them must come again. What cannot be
     /// shown leaves everything as it was.
     ///
     /// # Errors
@@ -121,7 +121,7 @@ impl TileDrawer {
     }
 
     /// Makes the mask that samples are shown by, where there is none for this view; takes about a
-    /// second. `true` where tiles must come anew to be sampled.
+    /// second. `true` where tiles must come again to be sampled.
     ///
     /// # Errors
     /// The mask is larger than the device binds.

@@ -28,7 +28,7 @@ pub struct TileStore {
     frame: u32,
     clock: u64,
     map_is_stale: bool,
-    /// Counts the textures made, so that who binds them notices a growth.
+    /// Counts the textures made, so that code that binds them notices a growth.
     generation: u64,
 }
 
@@ -135,7 +135,7 @@ impl TileStore {
     }
 
     /// Tiles that hold another source frame than the one shown, or none: those of the atlas are
-    /// not drawn, those of the coarsest level are, for want of anything else.
+    /// not drawn, those of the coarsest level are, as there is nothing else.
     #[must_use]
     pub fn wrong_frame_tiles(&self) -> usize {
         let base = self

@@ -176,7 +176,7 @@ fn style_of(panel: &Panel) -> WarpStyle {
     }
 }
 
-/// The texture for a panel's flat picture, made where there is none of its size.
+/// The texture for a panel's flat picture, made where none has its size.
 fn source_for<'a>(
     sources: &'a mut Vec<SourceTexture>,
     gpu: &Gpu,

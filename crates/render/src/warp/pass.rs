@@ -357,7 +357,7 @@ impl LoadedPlan {
         &self.atlas
     }
 
-    /// Bytes of the atlas, and of what the pass reads beside the source.
+    /// Bytes of the atlas, and of what the pass reads besides the source.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
         let pixels = u64::from(self.atlas.width()) * u64::from(self.atlas.height());

@@ -112,17 +112,17 @@ impl WarpPlan {
         self.grid_ends.push(self.grids.len());
     }
 
-    /// The same, seen by an eye that blurs: what a pixel takes of the source grows by what the eye
-    /// makes of a point there. `panels` are those that the plan was made of.
+    /// The same, seen by an eye that blurs: a pixel's footprint in the source grows by how the eye
+    /// blurs a point there. `panels` are those that the plan was made of.
     ///
     /// # Panics
-    /// When there are not as many as in the plan, or it is drawn by maps, which tell no rays.
+    /// When there are not as many as in the plan, or it is drawn by maps, which have no rays.
     #[must_use]
     pub fn seen_blurred(mut self, panels: &[PanelOnSource<'_>], blur: &EyeBlur) -> Self {
         assert_eq!(panels.len(), self.panels.len(), "the panels of the plan");
         self.sights.clear();
         for (record, it) in self.panels.iter_mut().zip(panels) {
-            assert_ne!(record.projection, BY_MAPS, "maps tell no rays");
+            assert_ne!(record.projection, BY_MAPS, "maps have no rays");
             let sight = sight_of(it.placement);
             let known = self.sights.iter().position(|other| *other == sight);
             let index = known.unwrap_or_else(|| {
@@ -136,7 +136,7 @@ impl WarpPlan {
     }
 
     /// The same, with each panel's place in the source read from the maps of Strege 2009, section
-    /// 3.2.5, in place of its matrix: a texel for every pixel as it is sent, row by row. They tell
+    /// 3.2.5, in place of its matrix: a texel for every pixel as it is sent, row by row. They hold
     /// no optics of single colours, and no shares of light.
     ///
     /// # Panics
@@ -164,7 +164,7 @@ impl WarpPlan {
         self
     }
 
-    /// Bytes that the pass reads beside the source.
+    /// Bytes that the pass reads besides the source.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         let records = size_of_val(self.panels.as_slice()) + size_of_val(self.blends.as_slice());

@@ -7,7 +7,7 @@ use crate::image::RgbaImage;
 /// Codes are stored, linear light is filtered.
 pub(crate) const SOURCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// A source with its coarser levels, if it has any. The finest is written anew for every frame.
+/// A source with its coarser levels, if it has any. The finest is written again for every frame.
 pub struct SourceTexture {
     pub(crate) texture: wgpu::Texture,
     pub(crate) levels: Vec<wgpu::TextureView>,

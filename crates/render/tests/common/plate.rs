@@ -23,7 +23,7 @@ pub const TEXTURED: Attributes = Attributes {
     textured: true,
 };
 
-/// Plates of 1 m beside each other, each with the texture of its number, all of which is seen
+/// Plates of 1 m next to each other, each with the texture of its number, all of which is seen
 /// `times` along each axis; seen from the front, with its top at the top.
 pub fn plates(count: u8) -> MeshUnit {
     let mut unit = MeshUnit::default();
@@ -70,7 +70,7 @@ pub fn object(textures: u16, times: f64) -> SceneObject {
     }
 }
 
-/// What is told of a texture.
+/// What is known of a texture.
 pub fn texture(picture: &TexturePicture, wrap: Wrap) -> SceneTexture {
     SceneTexture {
         name: "plate".to_owned(),

@@ -29,12 +29,12 @@ impl Default for BuildOptions {
     }
 }
 
-/// A unit with what is told of it.
+/// A unit with its row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BuiltUnit {
     /// Its level, 0 the finest; all roots have the coarsest.
     pub level: u8,
-    /// What is told of it before it is fetched.
+    /// What is known of it before it is fetched.
     pub row: UnitRow,
     /// What is fetched.
     pub payload: Vec<u8>,
@@ -72,7 +72,7 @@ pub enum BuildError {
     /// Nothing that has an area, and no point.
     #[error("scene: no triangle with an area, and no point; choose files with meshes or points")]
     Empty,
-    /// More than a pack can tell of.
+    /// More than a pack can hold.
     #[error("scene: {0} objects; at most 65535 fit: join some, or make several packs")]
     Objects(usize),
     /// A source that contradicts itself.

@@ -22,7 +22,7 @@ pub(super) const BITS: u8 = 16;
 const MOST_SPREAD: f64 = (1_u32 << (BITS - 10)) as f64;
 /// How many times the bytes of one mesh in many places copies of it may take.
 const COPIES: usize = 2;
-/// Bytes of a triangle, of a place, and of what is told of an object, about.
+/// Bytes of a triangle, of a place, and of an object's description, about.
 const BYTES: [usize; 3] = [6, 14, 230];
 
 /// Objects that parts were joined to.

@@ -1,7 +1,7 @@
 //! How does a scene become units?
 //!
 //! Each mesh is put on a grid, cut into clusters of triangles, and simplified in groups of a few
-//! clusters whose borders stay; the coarse clusters are grouped anew, until one is left (Karis et
+//! clusters whose borders stay; the coarse clusters are grouped again, until one is left (Karis et
 //! al. 2021, "A deep dive into Nanite virtualized geometry"). Each group becomes a unit. Clouds of
 //! points become octrees, each of whose nodes is one.
 

@@ -58,8 +58,8 @@ impl Numbering {
 }
 
 /// Hashes keys of one integer or two by a multiplication whose halves are folded: faster than what
-/// the standard library does against chosen keys, and a file that is slow to build harms nobody
-/// else.
+/// the standard library does against chosen keys, and a file that is slow to build does no
+/// other harm.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Fold(u64);
 

@@ -34,7 +34,7 @@ const JPEG_QUALITY: u8 = 85;
 /// Side of a block of a JPEG, and what its samples may be off on average, in codes.
 const BLOCK: usize = 8;
 const MOST_OFF: u32 = 24;
-/// How luma is told of for a signature.
+/// How luma is described for a signature.
 const GREY: Colour = Colour {
     matrix: Matrix::Bt709,
     full_range: true,
@@ -78,7 +78,7 @@ impl BuiltPage {
 /// The textures of a scene, written.
 #[derive(Clone, Debug, Default)]
 pub(super) struct WrittenTextures {
-    /// What is told of each.
+    /// What is known of each.
     pub textures: Vec<SceneTexture>,
     /// The pages of each.
     pub all: Vec<Vec<BuiltPage>>,
@@ -91,11 +91,11 @@ pub(super) struct WrittenTextures {
 
 /// Most broken pictures that are named.
 const MOST_NAMED: usize = 8;
-/// Bytes that pages may take beside eight for each byte of their pictures.
+/// Bytes that pages may take besides eight for each byte of their pictures.
 const MOST_PAGE_BYTES: u64 = 64 << 20;
 const MOST_PAGE_BYTES_A_BYTE: u64 = 8;
 
-/// Writes the textures that meshes show, and tells these their numbers.
+/// Writes the textures that meshes show, and gives these their numbers.
 ///
 /// Some hundred rows of one texture after the other are in memory, and the pages of all.
 pub(super) fn write(
@@ -257,11 +257,11 @@ impl PageMaker for PlannedPages<'_> {
     }
 }
 
-/// A texture as it is told of, and its pages: coarsest first.
+/// A texture's description, and its pages: coarsest first.
 type Written = (SceneTexture, Vec<BuiltPage>);
 
 impl Texture {
-    /// What is told of it, and its pages; `None` where the picture is broken, or where they take
+    /// Its description, and its pages; `None` where the picture is broken, or where they take
     /// more than `most` bytes.
     fn write(
         &self,
@@ -401,7 +401,7 @@ impl Texture {
     }
 }
 
-/// All pages, coarsest level first, each told which one it lies in.
+/// All pages, coarsest level first, each with the one that it lies in.
 fn linked(mut pages: Vec<BuiltPage>) -> Vec<BuiltPage> {
     pages.sort_by_key(|it| (Reverse(it.place.level), it.place));
     let numbers: BTreeMap<PagePlace, usize> = pages.iter().map(|it| it.place).zip(0..).collect();

@@ -1,6 +1,6 @@
 //! How do the rows of a picture become the pages of all its levels, a few rows at a time?
 //!
-//! Each level keeps the rows of one row of pages and what lies beside them, and hands on every two
+//! Each level keeps the rows of one row of pages and what lies next to them, and hands on every two
 //! of its rows as one of the next coarser level. So a picture takes memory for its columns, times
 //! some hundred rows, however many rows it has.
 
@@ -91,7 +91,7 @@ impl<'a, M: PageMaker> PageLevels<'a, M> {
     /// Takes the next rows of the picture.
     ///
     /// # Errors
-    /// As whoever makes pages has them.
+    /// Those of the maker of pages.
     pub(super) fn push(&mut self, rows: Vec<Texel>) -> Result<(), M::Error> {
         let mut rows = rows;
         for level in 0..self.levels.len() {
@@ -165,7 +165,7 @@ impl Level {
         let is_whole = self.came == self.rows;
         while u32::from(self.made_rows) * PAGE_SIDE < self.rows {
             let end = (u32::from(self.made_rows) + 1) * PAGE_SIDE;
-            // With the row beside it.
+            // With the row next to it.
             if self.came < (end + 1).min(self.rows) {
                 break;
             }
@@ -190,7 +190,7 @@ impl Level {
 
     /// Keeps only what the row of pages below a row needs, and all of the coarsest level.
     fn forget(&mut self, end: u32) {
-        // The last row lies beside the first one.
+        // The last row lies next to the first one.
         let needed = end.saturating_sub(1).min(self.rows - 1);
         if self.rows > PAGE_SIDE && needed > self.first {
             let gone = (needed - self.first) as usize * self.columns;

@@ -9,7 +9,7 @@ use foveal_core::content::mesh::payload::MeshVertex;
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 
-/// How far beside a page a surface may lie that still shows it, in texels.
+/// How far outside a page a surface may lie that still shows it, in texels.
 const BESIDE: f64 = 1.0;
 /// What rounding moves an edge by at most, in texels.
 const ROUNDING: f64 = 1e-2;
@@ -220,7 +220,7 @@ impl Pages {
         rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
     }
 
-    /// Leaves of the first polygon what lies on a page or just beside it (Sutherland and Hodgman
+    /// Leaves of the first polygon what lies on a page or just outside it (Sutherland and Hodgman
     /// 1974); the second is room to work in.
     fn clip(&self, page: [u16; 2], [polygon, spare]: &mut [Vec<At>; 2]) {
         for (k, number) in page.into_iter().enumerate() {

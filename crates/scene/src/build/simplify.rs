@@ -112,7 +112,7 @@ impl Group {
     }
 }
 
-/// What vertices have beside a place, with weights.
+/// What vertices have besides a place, with weights.
 struct Weighed {
     values: Vec<f32>,
     weights: Vec<f32>,

@@ -18,7 +18,7 @@ const STEPS: f64 = 65_534.0;
 pub(super) struct ShownImage {
     /// Number of the picture.
     pub image: usize,
-    /// What lies beside it.
+    /// What lies outside it.
     pub wrap: [Wrap; 2],
     /// Where its alpha is less, nothing is drawn.
     pub cutoff: Option<f32>,
@@ -33,12 +33,12 @@ pub(super) struct ShownImages {
     pub all: Vec<ShownImage>,
     /// For each material the number of its texture.
     of_material: Vec<Option<u16>>,
-    /// Number of pictures that are none, too large, or too many.
+    /// Number of pictures that are missing, invalid or oversized, or too many.
     pub missing: u64,
 }
 
 impl ShownImages {
-    /// The textures that materials name and whose files tell a size.
+    /// The textures that materials name and whose files give a size.
     pub(super) fn new(source: &SourceScene) -> Self {
         let textures = source.materials.iter().filter_map(|it| it.texture);
         let named: HashSet<usize> = textures.map(|it| it.image).collect();

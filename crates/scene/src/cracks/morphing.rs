@@ -32,7 +32,7 @@ pub(super) fn random_shares(
 /// Number of odd edges of what is drawn of the units of `parity` while some of them, also below
 /// others, are on their way; `cut` has all units, each in its place before and after.
 ///
-/// Only clusters with vertices on their way are counted anew: what the others have is in `parity`.
+/// Only clusters with vertices on their way are counted again: what the others have is in `parity`.
 pub(super) fn odd_while_moving(
     cut: &mut MeshCut,
     rows: &[(u8, UnitRow)],

@@ -151,7 +151,7 @@ fn no_edge_opens_while_vertices_are_on_their_way_in_any_order_of_arrival() {
     assert!(moved > 500, "{moved}");
 }
 
-/// Counting anew only what moves gives what counting all triangles gives.
+/// Counting again only what moves gives what counting all triangles gives.
 #[test]
 fn odd_edges_of_what_moves_are_those_of_what_is_drawn_while_it_moves() {
     for source in [sheet(64), sphere(48, 24)] {

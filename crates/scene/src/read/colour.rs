@@ -37,7 +37,7 @@ pub(super) struct Depth {
 }
 
 impl Depth {
-    /// Takes a colour into account; parts that are no number are none.
+    /// Takes a colour into account; parts that are no number are skipped.
     pub(super) fn add(&mut self, parts: [f64; 3]) {
         let most = parts[0].max(parts[1]).max(parts[2]);
         self.is_negative |= parts.iter().any(|it| *it < 0.0);
@@ -169,14 +169,14 @@ impl Full {
         let Self { usual, largest, .. } = *self;
         if strays > 0 {
             return Some(format!(
-                "colours of {what} reach {largest}, but {strays} of them are beyond: these are \
-                 taken for codes of 16 bits"
+                "colours of {what} reach {largest}, but {strays} of them are beyond: these \
+                 count as codes of 16 bits"
             ));
         }
         if largest != usual {
             return Some(format!(
                 "colours of {what} reach {largest}, where {usual} would stand for all light: \
-                 {largest} is taken for it"
+                 {largest} counts as it"
             ));
         }
         if self.bytes > 0 {
@@ -302,7 +302,7 @@ mod tests {
         assert!(remark.unwrap().contains("4095"));
         let mut codes = [[65_535, 0, 300], [200, 300, 9000], [40, 20, 0]];
         let before = codes;
-        assert!(mend(&mut codes).is_some(), "dark beside bright");
+        assert!(mend(&mut codes).is_some(), "dark next to bright");
         assert_eq!(codes, before);
         let mut codes = [[65_535, 0, 300], [400, 300, 9000]];
         assert_eq!(mend(&mut codes), None);

@@ -23,7 +23,7 @@ pub enum ReadError {
     /// There is no file to read.
     #[error("scene: no 3D file is given; give one that ends in {ENDINGS}")]
     NoFile,
-    /// The ending of the name is none that is read.
+    /// The ending of the name is not one that is read.
     #[error(
         "{}: is no 3D file that can be read; give one that ends in {ENDINGS}, or export it as .glb",
         path.display()

@@ -32,7 +32,7 @@ pub(super) struct OnDisk {
     allow_outside: bool,
     /// The names in folders of it that were looked at.
     names: HashMap<PathBuf, Rc<Names>>,
-    /// What was taken for files of other names.
+    /// What was used in place of files of other names.
     pub(super) remarks: Vec<String>,
     pub(super) repairs: Repairs,
 }
@@ -200,7 +200,7 @@ fn names_of(mut all: Vec<String>) -> Names {
     names
 }
 
-/// What tells a file from others, whatever it is called.
+/// What identifies a file, whatever it is called.
 #[derive(PartialEq, Eq, Hash)]
 struct FileIdentity {
     /// Device and number, where the system counts files.

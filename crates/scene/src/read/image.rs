@@ -25,15 +25,15 @@ const MOST_TEXELS: u64 = 1 << 28;
 const MOST_TEXELS_A_BYTE: u64 = 1 << 14;
 /// So many may always be: a WebP of one colour has some dozens of bytes.
 const MOST_FREE_TEXELS: u64 = 1 << 22;
-/// Bytes that a picture may take that is decoded whole, beside eight for each of its file.
+/// Bytes that a picture may take that is decoded whole, besides eight for each of its file.
 const MOST_WHOLE: u64 = 220 << 20;
 const MOST_WHOLE_A_BYTE: u64 = 8;
-/// What a PNG's decoder may allocate beside the picture.
+/// What a PNG's decoder may allocate besides the picture.
 const MOST_PNG_BYTES: usize = 64 << 20;
 /// Columns and rows that are read of any head.
 const MOST_TOLD: usize = 65_535;
-/// Bytes of memory a texel, of what is decoded whole: of a TGA as it is told and as it is shown; of
-/// a BMP as its runs tell it, and as it is shown; of a WebP also the planes or transforms of its
+/// Bytes of memory a texel, of what is decoded whole: of a TGA as stored and as shown; of
+/// a BMP as its runs give it, and as shown; of a WebP also the planes or transforms of its
 /// codec, and what an animation is drawn on.
 const BYTES_OF_TGA: u64 = 8;
 const BYTES_OF_BMP: u64 = 5;
@@ -45,8 +45,8 @@ const PNG: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Why bytes are no picture that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureFault {
-    /// They are none that is read, or end in their head; of which other format, where that is
-    /// known.
+    /// They are not a format that is read, or end in their head; of which other format, where that
+    /// is known.
     NotOne(Option<&'static str>),
     /// It has another number of columns and rows than a texture can have.
     Size([u32; 2]),
@@ -70,7 +70,7 @@ impl fmt::Display for PictureFault {
             ),
             Self::Claims([columns, rows], bytes) => write!(
                 out,
-                "tells of {columns} x {rows} texels, which do not fit into its {}",
+                "announces {columns} x {rows} texels, which do not fit into its {}",
                 counted(*bytes, "byte")
             ),
             Self::Whole([columns, rows], most) => write!(
@@ -83,7 +83,7 @@ impl fmt::Display for PictureFault {
     }
 }
 
-/// Columns and rows of a picture; `None` where the bytes are none, or of too large a one.
+/// Columns and rows of a picture; `None` where the bytes are no picture, or too large a one.
 /// Allocates nothing for the picture.
 pub(crate) fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
     measured(bytes).ok()
@@ -189,7 +189,7 @@ enum Format {
     Tga,
 }
 
-/// What the head of a picture tells.
+/// What the head of a picture says.
 struct Told {
     format: Format,
     size: [u32; 2],
@@ -248,7 +248,7 @@ fn png_decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
     };
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
     decoder.set_transformations(Transformations::normalize_to_color8());
-    // Rows that come are shown, whatever the sums behind them say; `damage` tells of these.
+    // Rows that come are shown, whatever the sums behind them say; `damage` counts these.
     decoder.ignore_checksums(true);
     decoder
 }
@@ -274,7 +274,7 @@ enum RowSource<'a> {
 }
 
 impl<'a> PictureRows<'a> {
-    /// Begins to read a picture; `None` where it is broken, or [`size_of`] tells no size.
+    /// Begins to read a picture; `None` where it is broken, or [`size_of`] finds no size.
     pub(crate) fn open(bytes: &'a [u8]) -> Option<Self> {
         let size = size_of(bytes)?;
         let whole = |decode: fn(&[u8]) -> Option<Samples>| {
@@ -343,7 +343,7 @@ impl<'a> PictureRows<'a> {
     }
 }
 
-/// Adds the texels that samples of eight bits tell.
+/// Adds the texels that samples of eight bits give.
 fn add_texels(samples: &[u8], kind: ColorType, texels: &mut Vec<[u8; 4]>) -> Option<()> {
     let grey = |code: u8, alpha: u8| [code, code, code, alpha];
     match kind {
@@ -516,7 +516,7 @@ mod tests {
             measured(&bomb),
             Err(PictureFault::Claims([16_384; 2], bomb.len() as u64))
         );
-        // A head that tells of less than what follows.
+        // A head that announces less than what follows.
         let mut hidden = b"RIFF\x2c\0\0\0WEBPVP8X\x0a\0\0\0\0\0\0\0\x01\0\0\0\0\0".to_vec();
         hidden.extend(&bomb[12..]);
         assert!(matches!(measured(&hidden), Err(PictureFault::Claims(..))));

@@ -116,7 +116,7 @@ pub(super) const PART_LEFT: Mend = Mend {
     name: "parts_left_out",
     what: "parts of meshes that cannot be read are left out",
 };
-/// The same of what vertices have beside a place.
+/// The same of what vertices have besides a place.
 pub(super) const ATTRIBUTE_LEFT: Mend = Mend {
     name: "attributes_left_out",
     what: "normals, colours or texture coordinates that cannot be read are left out",
@@ -132,10 +132,10 @@ pub(super) const SHAPE_LEFT: Mend = Mend {
     name: "shapes_left_out",
     what: "shapes that move other numbers of vertices, or cannot be read, are left out",
 };
-/// An accessor tells of more elements than its view has.
+/// An accessor claims more elements than its view has.
 pub(super) const ACCESSOR_CUT: Mend = Mend {
     name: "accessors_cut",
-    what: "accessors tell of more elements than there are bytes for: those that exist are used",
+    what: "accessors claim more elements than there are bytes for: those that exist are used",
 };
 /// A sparse accessor replaces elements that are not there.
 pub(super) const SPARSE_LEFT: Mend = Mend {
@@ -210,7 +210,7 @@ impl Mends {
         self.0.get(&mend).map_or(0, |(times, _)| *times)
     }
 
-    /// Tells a scene of them: by number, and in words for people.
+    /// Reports them to a scene: by number, and in words for people.
     pub(super) fn tell(self, file: &str, scene: &mut SourceScene) {
         for (mend, (times, place)) in self.0 {
             *scene.repairs.entry(mend.name.to_owned()).or_default() += times as u64;

@@ -97,7 +97,7 @@ pub fn read_any_arrangement(bytes: &[u8]) -> bool {
 }
 
 /// Reads any bytes as the picture of a texture; `true` if they are one. Panics if it has another
-/// number of texels than it told: for fuzzing and tests.
+/// number of texels than it announced: for fuzzing and tests.
 pub fn read_any_picture(bytes: &[u8]) -> bool {
     let Some([columns, rows]) = image::size_of(bytes) else {
         return false;
@@ -116,7 +116,7 @@ pub fn read_any_picture(bytes: &[u8]) -> bool {
     true
 }
 
-/// Reads any bytes as a format, with no files beside them; `true` if they are a scene. Panics if
+/// Reads any bytes as a format, with no files next to them; `true` if they are a scene. Panics if
 /// that scene breaks what [`SourceScene`] promises: for fuzzing and tests.
 pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let file = SceneFile {

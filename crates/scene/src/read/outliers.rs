@@ -10,13 +10,13 @@ use super::sound::count;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceMesh, SourceObject, SourceScene};
 
-/// So many places tell where most of them lie.
+/// So many places show where most of them lie.
 const MOST_SAMPLES: usize = 4096;
 /// What may lie far on each side of an axis, as a share of these.
 const TAIL: f64 = 0.05;
 /// Most parts of a mesh or cloud.
 const MOST_PARTS: usize = 8;
-/// A person is told of what lies more than so many times as far as the others reach.
+/// Parts that lie more than so many times as far as the others reach are reported.
 const TOLD: f64 = 16.0;
 /// A surface is cut between what lies far and all else only where its grid would have a few dozen
 /// steps for that, and where no more than half is far.
@@ -215,7 +215,7 @@ fn leave_out_beyond(scene: &mut SourceScene, number: usize) {
     ));
 }
 
-/// Tells of a part of a mesh that was made another one, if it lies far enough to matter.
+/// Reports a part of a mesh that was made another one, if it lies far enough to matter.
 fn tell_part(scene: &mut SourceScene, (near, far): (usize, usize), is_cut: bool) {
     let of = |mesh: usize| bounds(scene.meshes[mesh].positions.iter().copied());
     let [low, high] = of(far);
@@ -239,7 +239,7 @@ fn tell_part(scene: &mut SourceScene, (near, far): (usize, usize), is_cut: bool)
     count(&mut scene.repairs, "outlier_triangles", triangles);
 }
 
-/// Takes out of a mesh what lies far, and tells whether that was joined to the rest. The mesh is
+/// Takes out of a mesh what lies far, and returns whether that was joined to the rest. The mesh is
 /// that of objects which show mesh `shown`, or a part of it.
 fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<(SourceMesh, bool)> {
     let mesh = &scene.meshes[number];

@@ -18,7 +18,7 @@ pub enum Up {
     Z,
 }
 
-/// What is to be known of files beside what they say.
+/// What is to be known of files besides what they say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Which axis points up in all of them; if not given, the one that is usual for the format: z
@@ -41,7 +41,7 @@ pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
     }
 }
 
-/// Refuses a scene with more places than a pack tells of.
+/// Refuses a scene with more places than a pack can hold.
 pub(super) fn check_count(scene: &SourceScene) -> Result<(), Fault> {
     let objects = scene.objects.iter().map(|it| it.placements.len());
     let clouds = scene.clouds.iter().map(|it| it.placements.len());

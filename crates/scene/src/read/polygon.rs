@@ -134,7 +134,7 @@ fn area_of(outline: &[[f64; 2]]) -> f64 {
     pairs.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0
 }
 
-/// Whether two edges of an outline cross, each beside the ends of the other.
+/// Whether two edges of an outline cross, each away from the ends of the other.
 fn crosses(outline: &[[f64; 2]]) -> bool {
     let corner = |at: usize| DVec2::from_array(outline[at % outline.len()]);
     let edges = (0..outline.len()).map(|at| (corner(at), corner(at + 1)));

@@ -1,7 +1,8 @@
 //! Which file does a name mean that was written on another machine?
 //!
-//! Names in 3D files are paths of whoever made them: `C:\work\wood.png`, `../textures/wood.png`,
-//! `"Wood.PNG"`. The file of that name in the folder of the 3D file is taken for it, as viewers do.
+//! Names in 3D files are paths on their author's machine: `C:\work\wood.png`,
+//! `../textures/wood.png`, `"Wood.PNG"`. The file of that name in the folder of the 3D file is
+//! used instead, as viewers do.
 
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
@@ -13,9 +14,9 @@ use unicode_normalization::UnicodeNormalization;
 
 /// Most folders in a name; what stands before them is of no help.
 const MOST_PARTS: usize = 16;
-/// Folders beside a model in which pictures are put.
+/// Folders next to a model in which pictures are put.
 const USUAL: [&str; 6] = ["textures", "texture", "tex", "maps", "images", "materials"];
-/// Most other names that are told one by one.
+/// Most other names that are reported one by one.
 const MOST_TOLD: u64 = 16;
 
 /// Where the files lie that a scene file names.
@@ -31,7 +32,7 @@ pub(super) trait Folder {
     /// The names in a folder of it, by [`key`].
     fn names(&mut self, relative: &Path) -> Rc<Names>;
 
-    /// Hears of a file that is taken for one of another name.
+    /// Hears of a file that is used in place of one of another name.
     fn tell(&mut self, taken: Taken);
 }
 
@@ -54,7 +55,7 @@ pub(super) fn read(folder: &mut dyn Folder, names: &[&str]) -> Result<Rc<Vec<u8>
 /// The names in a folder by what makes them alike, each with the first in order that is.
 pub(super) type Names = HashMap<String, String>;
 
-/// A file that is taken for one of another name.
+/// A file that is used in place of one of another name.
 pub(super) struct Taken {
     /// Whether they differ in capitals alone, or in how letters are composed.
     pub(super) by_case: bool,
@@ -70,7 +71,7 @@ impl Taken {
         }
     }
 
-    /// Whether it is told of one more, after so many.
+    /// Whether one more is reported, after so many.
     pub(super) fn is_told(after: u64) -> bool {
         after < MOST_TOLD
     }
@@ -149,9 +150,9 @@ impl Search {
             let by_case = whole.as_ref().is_some_and(|whole| is_like(whole, &path));
             let [name, taken] = [bare, &*path.to_string_lossy()].map(shortened);
             let remark = match by_case {
-                true => format!("there is no {name:?}, but {taken:?}, which is taken for it"),
+                true => format!("there is no {name:?}, but {taken:?}, which is used instead"),
                 false => format!(
-                    "there is no {name:?} in the folder of the model: {taken:?} is taken for it"
+                    "there is no {name:?} in the folder of the model: {taken:?} is used instead"
                 ),
             };
             folder.tell(Taken { by_case, remark });

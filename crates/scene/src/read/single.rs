@@ -16,7 +16,7 @@ use crate::source::{SourceMesh, SourceScene};
 /// How a scene is written in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
-    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes tell.
+    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes decide.
     Gltf,
     /// Wavefront OBJ with its MTL.
     Obj,
@@ -29,7 +29,7 @@ pub enum SceneFormat {
 }
 
 impl SceneFormat {
-    /// The format that a file's ending tells, in capitals or not.
+    /// The format that a file's ending names, in capitals or not.
     #[must_use]
     pub fn of(file: &Path) -> Option<Self> {
         let ending = file.extension()?.to_str()?.to_ascii_lowercase();
@@ -43,7 +43,7 @@ impl SceneFormat {
         }
     }
 
-    /// The format that the first bytes of a file tell; none where these say nothing.
+    /// The format that the first bytes of a file show; none where these say nothing.
     fn of_content(bytes: &[u8]) -> Option<Self> {
         match bytes {
             [b'g', b'l', b'T', b'F', ..] => Some(Self::Gltf),
@@ -80,7 +80,7 @@ impl SceneFormat {
     }
 }
 
-/// So many bytes at the beginning of a file tell whether it is OBJ.
+/// So many bytes at the beginning of a file show whether it is OBJ.
 const MOST_HEAD: usize = 1024;
 
 /// Whether a file is as long as a binary STL file of as many triangles as it says.
@@ -241,7 +241,7 @@ fn found_instead(scene: &SourceScene) -> String {
             "triangles that are NaN or infinite",
         ),
         ("points_without_place", "points that are NaN or infinite"),
-        ("lines_broken", "lines that are none of its format"),
+        ("lines_broken", "lines that do not belong to its format"),
     ];
     let found: Vec<String> = what
         .iter()

@@ -1,4 +1,4 @@
-//! What of a mesh, as a file tells it, is left out or repaired?
+//! What of a mesh, as a file gives it, is left out or repaired?
 
 use std::collections::{HashMap, HashSet};
 
@@ -26,7 +26,7 @@ pub(super) fn count(repairs: &mut Repairs, name: &str, times: usize) {
 }
 
 /// Leaves out triangles that name vertices that are not there or are nowhere, and colours and
-/// places on textures that are no numbers. Mends are told of as those of the object `name`.
+/// places on textures that are no numbers. Mends are reported as those of the object `name`.
 ///
 /// All lists of the mesh are as long as [`SourceMesh`] says, but any number may be anything.
 pub(super) fn make_finite(mesh: &mut SourceMesh, name: &str, mends: &mut Mends) {
@@ -92,7 +92,7 @@ fn make_uvs(mesh: &mut SourceMesh) -> usize {
 }
 
 /// Leaves out triangles without area, later copies of triangles, and vertices that no triangle
-/// names; makes normals unit vectors, those that are none from the triangles around them. Counts
+/// names; makes normals unit vectors, invalid ones from the triangles around them. Counts
 /// what stays but may be a mistake: equal vertices, edges of many triangles, mixed winding. Returns
 /// whether some edges have many triangles.
 ///

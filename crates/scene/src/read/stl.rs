@@ -121,7 +121,7 @@ fn colour(words: &[u16], of_solid: Option<[u8; 3]>, scene: &mut SourceScene) {
     }
     if of_solid.is_none() && words.iter().all(|it| it & VALID == 0) {
         scene.remark(
-            "triangles have two bytes each beside their places, which are no colours: not drawn",
+            "triangles have two bytes each besides their places, which are no colours: not drawn",
         );
         return;
     }

@@ -88,7 +88,7 @@ pub(super) struct Words<'a> {
     rest: &'a str,
     /// How many numbers had a decimal comma.
     pub(super) commas: usize,
-    /// Whether a word should have been a number, and was none.
+    /// Whether a word should have been a number, and was not.
     pub(super) is_broken: bool,
 }
 
@@ -143,7 +143,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The next word as a number; NaN where it is none.
+    /// The next word as a number; NaN where it is not a number.
     pub(super) fn any_number(&mut self) -> Option<f64> {
         let word = self.next()?;
         let number = number_of(word, &mut self.commas);
@@ -174,7 +174,7 @@ impl<'a> Words<'a> {
 }
 
 /// The number that a word is, maybe NaN or infinity, as any program writes it: also as C does on
-/// Windows, as Fortran, and with a decimal comma, which is counted. `None` if it is none.
+/// Windows, as Fortran, and with a decimal comma, which is counted. `None` if it is not.
 pub(super) fn number_of(word: &str, commas: &mut usize) -> Option<f64> {
     if let Ok(number) = word.parse() {
         return Some(number);

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use foveal_core::view::panel::alpha::AlphaMap;
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
-/// Most bytes that a decoder may hold beside the picture.
+/// Most bytes that a decoder may hold besides the picture.
 const MOST_HELD: usize = 1 << 24;
 
 /// Reads a PNG of `size` pixels, of which grey or red counts: to the power of `gamma` it is the
@@ -23,7 +23,7 @@ pub(super) fn read(bytes: &[u8], size: [u32; 2], gamma: f64) -> Result<AlphaMap,
     }
 }
 
-/// The same of a PNG of any size up to `most` pixels, brought to that of the panel, and the size
+/// The same of a PNG of any size up to `most` pixels, resized to that of the panel, and the size
 /// that it has.
 pub(super) fn read_any(
     bytes: &[u8],

@@ -62,7 +62,7 @@ pub(super) struct PanelEntry {
     /// How its picture is turned before it is sent.
     #[serde(default)]
     pub(super) scanout: ScanoutEntry,
-    /// Where its picture is sent; beside the others if not given.
+    /// Where its picture is sent; next to the others if not given.
     pub(super) output: Option<OutputEntry>,
     /// What its optics do.
     pub(super) distortion: Option<DistortionEntry>,

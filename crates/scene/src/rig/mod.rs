@@ -124,7 +124,7 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
 /// eye sees it.
 ///
 /// # Errors
-/// The file cannot be read or has no triangle, or a projector lights nothing of it, or more than
+/// The file cannot be read or has no triangle, or a projector lights none of it, or more than
 /// 85° from the middle of what it lights.
 pub fn rig_of_projectors(
     wall: &Path,
@@ -183,8 +183,8 @@ pub fn write_mpcdi(panels: &[&Panel]) -> Result<WrittenMpcdi, String> {
     written_mpcdi::written(panels)
 }
 
-/// The files of a rig that another program's file told: `STEM.toml`, and maps beside it; or why
-/// there are none.
+/// The files of a rig that was read from another program's file: `STEM.toml`, and maps next to
+/// it; or why there are none.
 pub fn write_rig(rig: &Rig, stem: &str) -> Result<Vec<(String, Vec<u8>)>, String> {
     written_toml::written(rig, stem)
 }

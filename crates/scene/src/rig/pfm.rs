@@ -2,10 +2,10 @@
 
 use foveal_core::view::panel::residual_grid::ResidualGrid;
 
-/// Reads the bytes of a file beside the rig file, or tells why not.
+/// Reads the bytes of a file next to the rig file, or says why not.
 pub(super) type ReadBeside<'a> = &'a dyn Fn(&str) -> Result<Vec<u8>, String>;
 
-/// Steps by which the third float tells what the first two lose by rounding: 2^-34 each, from -512
+/// Steps by which the third float keeps what the first two lose by rounding: 2^-34 each, from -512
 /// on, 11 bits of the second and above these 11 of the first, all times 2^-70. So it is as good as
 /// 0 to programs that do not know.
 const LOST_STEP: f64 = 1.0 / (1_u64 << 34) as f64;
@@ -15,7 +15,7 @@ const LOST_BITS: u32 = 11;
 
 /// Fewest nodes of a map across and down.
 const LEAST_NODES: u32 = 2;
-/// Points nearer than this to the origin are none, in units of the map: nDisplay's.
+/// Points nearer than this to the origin do not count, in units of the map: nDisplay's.
 pub(super) const NO_POINT: f64 = 1e-5;
 
 /// A map of three floats a pixel, or a node between which pixels lie.
@@ -101,7 +101,7 @@ impl<'a> FloatMap<'a> {
         (self.nodes != self.pixels).then_some(self.nodes)
     }
 
-    /// The three floats of a pixel, a point in space; 0 where a node beside it tells of none. Lines
+    /// The three floats of a pixel, a point in space; 0 where a node next to it has none. Lines
     /// as the file has them.
     pub(super) fn triple(&self, line: usize, column: usize) -> [f64; 3] {
         let of = |at: [usize; 2]| [0, 1, 2].map(|k| f64::from(self.float(at[1], at[0], k)));
@@ -161,7 +161,7 @@ fn lost_of(third: f32) -> [f64; 2] {
         .map(|it| (f64::from(it) - LOST_MIDDLE) * LOST_STEP)
 }
 
-/// Three floats of two numbers, which are at most 1 where the third is to tell what they lose.
+/// Three floats of two numbers, which are at most 1 where the third is to keep what they lose.
 fn floats_of(pair: [f64; 2]) -> [f32; 3] {
     let short = pair.map(|it| it as f32);
     let steps = [0, 1].map(|k| {
@@ -176,7 +176,7 @@ fn floats_of(pair: [f64; 2]) -> [f32; 3] {
     [short[0], short[1], third as f32]
 }
 
-/// The file of a map, little-endian; `pair` tells two numbers by line and column.
+/// The file of a map, little-endian; `pair` gives two numbers by line and column.
 pub(super) fn written(size: [u32; 2], pair: impl Fn(u32, u32) -> [f64; 2]) -> Vec<u8> {
     let [w, h] = size;
     let mut file = format!("PF\n{w} {h}\n-1.0\n").into_bytes();

@@ -79,7 +79,7 @@ fn text(report: &Report) -> String {
 }
 
 fn write_row(text: &mut String, row: &TimedRow) {
-    // Short times are told in microseconds.
+    // Short times are given in microseconds.
     let (unit, scale) = if row.median_ms < 0.1 {
         ("µs", 1000.0)
     } else {

@@ -1,4 +1,4 @@
-//! How fast does a video become a pack, and how large is it beside what a slow encoder makes?
+//! How fast does a video become a pack, and how large is it compared with a slow encoder's file?
 
 use crate::commands::bench::equal_quality::{SizeRow, sizes_at_equal_quality};
 use crate::commands::bench::processor_time::cpu_seconds;
@@ -72,7 +72,7 @@ struct SpeedRow {
     jobs: usize,
     /// Millions of pixels of the source a second, reading and writing included.
     prepare_mpix_per_s: f64,
-    /// The same by the processor time of all threads; null where the system does not tell.
+    /// The same by the processor time of all threads; null where the system does not report it.
     prepare_mpix_per_cpu_s: Option<f64>,
     prepare_s: f64,
     prepare_cpu_s: Option<f64>,
@@ -130,8 +130,8 @@ fn measure(args: &PrepareBenchArgs, jobs: usize, folder: &Path) -> anyhow::Resul
             most_frames: Some(args.frames),
             ..PrepareSettings::default()
         };
-        // A clip is short beside a video: what it takes to get memory from the system for the first
-        // time is not timed.
+        // A clip is short compared with a video: what it takes to get memory from the system for
+        // the first time is not timed.
         time_one(&name, &clip, &settings_of(WAYS[0]), WAYS[0].0, folder)?;
         for way in WAYS {
             let settings = settings_of(way);

@@ -1,6 +1,6 @@
 //! How long have all threads of this program run?
 
-/// Processor time of this process so far, all threads; Linux tells it in hundredths of a second.
+/// Processor time of this process so far, all threads; Linux reports it in hundredths of a second.
 pub(super) fn cpu_seconds() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/self/stat").ok()?;
     // The name of the program, which may hold anything, ends with the last bracket.

@@ -50,11 +50,11 @@ struct Report {
     fps: f64,
     jobs: usize,
     frames: usize,
-    /// Processor seconds a frame, all threads; null where the system does not tell.
+    /// Processor seconds a frame, all threads; null where the system does not report it.
     cpu_s_per_frame: Option<Spread>,
     /// Seconds by the clock a frame.
     clock_s_per_frame: Spread,
-    /// Processor seconds a frame of the companions that `foveal score` tells beside it.
+    /// Processor seconds a frame of the companions that `foveal score` reports with it.
     companions_cpu_s_per_frame: Option<f64>,
     /// Processor seconds a frame of the clear text.
     clear_cpu_s_per_frame: Option<f64>,
@@ -189,7 +189,7 @@ fn clear_seconds(content: &Content) -> anyhow::Result<Option<f64>> {
     })
 }
 
-/// Processor seconds a frame of all that is told beside the score.
+/// Processor seconds a frame of all that is reported besides the score.
 fn companion_seconds(content: &Content, frames: usize) -> anyhow::Result<Option<f64>> {
     let mut companions = Companions::beside(&content.viewing)?;
     seconds_each(frames, |n| {

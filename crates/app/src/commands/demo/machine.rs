@@ -4,7 +4,7 @@ use crate::report::output;
 use foveal_core::units::counted;
 use serde::Serialize;
 
-/// The machine, for whoever compares figures.
+/// The machine, for readers who compare figures.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Machine {
     pub(crate) cpu: String,

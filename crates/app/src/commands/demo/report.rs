@@ -246,7 +246,7 @@ fn how_to_read(seed: u64) -> String {
          them alike.</p>\n\
          <p>Not measured: a network, which is left out (nothing waits for bytes); uploading and \
          drawing; sound; the delay and the error of a real eye tracker; and whether a person \
-         would see the difference, which the pictures on this page cannot tell, since you look at \
+         would see the difference, which the pictures on this page cannot show, since you look at \
          them with a gaze of your own.</p>\n</section>\n",
         scored = crate::commands::demo::run::SCORED,
     )

@@ -142,7 +142,7 @@ fn score(runs: &mut [Run]) -> anyhow::Result<()> {
         let Some(report) = run.reports.last() else {
             continue;
         };
-        // A gaze beside the view counts at its middle.
+        // A gaze outside the view counts at its middle.
         let middle = report.view.size.map(|side| f64::from(side / 2));
         let place = report.view.place(report.gaze.gaze_in_content);
         let gaze_px = place.map_or(middle, |place| place.map(|at| at - 0.5));

@@ -103,7 +103,7 @@ impl CodecsArgs {
         }
     }
 
-    /// How much of the input its prepared frames are, as far as it tells how many there are.
+    /// How much of the input its prepared frames are, as far as it says how many there are.
     fn share_of_input(&self) -> anyhow::Result<f64> {
         let info = foveal_media::VideoInput::open(&self.trial.input)?;
         let all = info.info().frames.unwrap_or(0);

@@ -167,7 +167,7 @@ fn is_photographed(golden: &Golden) -> bool {
     photographed.any(|other| other.id == golden.id)
 }
 
-/// Red, green and blue of the photograph, which its PSNR tells from any other.
+/// Red, green and blue of the photograph, which its PSNR identifies.
 fn read_photo(path: &Path) -> anyhow::Result<Vec<u8>> {
     let picture = read_picture(path)?;
     let golden = &Golden::of_photograph()[0];
@@ -216,7 +216,7 @@ fn worst_energy(golden: &Golden, score: &Score) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Writes the pictures of a case, and tells how to score them.
+/// Writes the pictures of a case, and says how to score them.
 fn write(case: &Case<'_>, folder: &Path) -> anyhow::Result<String> {
     let golden = case.golden;
     let folders = ["reference", "test"].map(|name| folder.join(name));

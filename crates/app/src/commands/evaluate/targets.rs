@@ -77,7 +77,7 @@ struct Row {
     policy: &'static str,
     target: Option<f64>,
     slope: Option<f64>,
-    /// Quality difference that signatures tell, and the score that is expected of it.
+    /// Quality difference from signatures, and the score that is expected for it.
     told: f64,
     expected_jod: f64,
     jod: f64,
@@ -91,8 +91,8 @@ struct Row {
 struct Report {
     frames: u32,
     rows: Vec<Row>,
-    /// Pairs of a score and the quality difference that signatures tell where the scenes that are
-    /// fitted have it: chosen by what they tell, and elsewise.
+    /// Pairs of a score and the quality difference from signatures where the scenes that are
+    /// fitted have it: chosen by signatures, and elsewise.
     told_by_loss: Vec<[f64; 2]>,
     told_elsewise: Vec<[f64; 2]>,
     /// The slope at which the scenes that are fitted have each target on average.
@@ -101,7 +101,7 @@ struct Report {
 
 pub(super) fn run(args: &TargetsArgs) -> anyhow::Result<()> {
     args.check()?;
-    // What cannot be read is told before an hour of other work.
+    // What cannot be read is reported before an hour of other work.
     for input in &args.input {
         VideoInput::open(input)?;
     }
@@ -175,7 +175,7 @@ impl TargetsArgs {
         Ok(())
     }
 
-    /// The quality difference that signatures tell for each target.
+    /// The quality difference from signatures for each target.
     fn told(&self, rows: &[Row], policy: Policy) -> Vec<[f64; 2]> {
         let of = |target: &f64| [*target, told_at(rows, policy.name(), *target)];
         self.targets.iter().map(of).collect()
@@ -280,7 +280,7 @@ impl Content<'_> {
         open_player(Arc::clone(&self.file), options)
     }
 
-    /// All policies frame by frame, beside every finest tile; the gaze rests ahead.
+    /// All policies frame by frame, against every finest tile; the gaze rests ahead.
     fn judge(&self, policies: &[PolicyConfig]) -> anyhow::Result<Vec<Row>> {
         output::say(&format!("{}: is judged", self.name));
         let about = self.file.pack().description();
@@ -374,7 +374,7 @@ impl Trial {
 /// How far around a score rows count, in natural logarithms of quality differences.
 const AROUND: f64 = 0.5;
 
-/// The quality difference that signatures tell where the judge finds `target`: the line through the
+/// The quality difference from signatures where the judge finds `target`: the line through the
 /// logarithms of the fitted rows around it.
 fn told_at(rows: &[Row], policy: &str, target: f64) -> f64 {
     let counted = rows
@@ -453,7 +453,7 @@ impl Report {
             ("acuity", &self.told_elsewise),
         ] {
             for [target, told] in pairs {
-                text += &format!("{policy} {target}: signatures tell a loss of {told:.1}\n");
+                text += &format!("{policy} {target}: signatures predict a loss of {told:.1}\n");
             }
         }
         for [target, slope] in &self.slopes {

@@ -81,7 +81,7 @@ fn leave_nothing_when_stopped(folder: &Path) -> anyhow::Result<()> {
             for signal in &mut signals {
                 // Nothing to be done about what cannot be removed.
                 let _ = std::fs::remove_dir_all(&folder);
-                // Ends the program as if nobody had listened.
+                // Ends the program as if there were no handler.
                 let _ = signal_hook::low_level::emulate_default_handler(signal);
             }
         })?;

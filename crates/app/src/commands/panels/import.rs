@@ -18,7 +18,7 @@ pub(crate) struct ImportArgs {
     /// MPCDI, zipped or not, or warp mesh; or, with --projector, a wall as a mesh: .obj, .ply,
     /// .stl, .gltf or .glb.
     file: PathBuf,
-    /// Rig file to write; maps of what is bent lie beside it.
+    /// Rig file to write; maps of bent panels are written next to it.
     #[arg(long, value_name = "RIG.toml")]
     out: PathBuf,
     /// A projector that lights the wall, as "left at=-1,2,4 look=10,-5,0 pixels=1920x1080
@@ -88,7 +88,7 @@ fn parse_projector(text: &str) -> anyhow::Result<Projector> {
         known.push(key);
     }
     if known.contains(&"throw") && known.contains(&"fov") {
-        bail!("throw and fov both tell the width of the picture; leave one");
+        bail!("throw and fov both give the width of the picture; leave one out");
     }
     let (Some(at), Some(pixels), Some(half_width)) = (at, pixels, half_width) else {
         bail!(FORM);
@@ -124,12 +124,12 @@ impl ImportArgs {
         match (is_scene_file(&self.file), self.projector.is_empty()) {
             (true, false) => Ok(()),
             (true, true) => bail!(WrongUsage(format!(
-                "{name}: is a wall, and nothing tells what lights it; give --projector \"ID \
+                "{name}: is a wall, and nothing says what lights it; give --projector \"ID \
                  at=X,Y,Z pixels=WxH throw=N\" for each projector"
             ))),
             (false, false) => bail!(WrongUsage(format!(
-                "--projector lights a wall, and {name} is none by its ending; give one that ends \
-                 in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
+                "--projector lights a wall, and {name} is not one by its ending; give one that \
+                 ends in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
             ))),
             (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) => bail!(WrongUsage(format!(

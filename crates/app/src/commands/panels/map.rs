@@ -207,7 +207,7 @@ fn map_of<'a>(panel: &'a Panel, found: &'a SourceFit) -> PixelMap<'a> {
     }
 }
 
-/// Writes an MPCDI, and tells what it does not.
+/// Writes an MPCDI, and reports what it leaves out.
 fn write_whole_rig(path: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>> {
     let written = write_mpcdi(panels)
         .map_err(|what| WrongUsage(format!("--format mpcdi: {what}; write --format pfm")))?;
@@ -215,7 +215,7 @@ fn write_whole_rig(path: &Path, panels: &[&Panel]) -> anyhow::Result<Vec<String>
     Ok(written.left_out)
 }
 
-/// Writes a panel's map, and tells its files.
+/// Writes a panel's map, and returns its files.
 fn write_map(out: &Path, format: MapFormat, map: &PixelMap<'_>) -> anyhow::Result<Vec<String>> {
     let id = &map.panel.id;
     let mut files = Vec::new();

@@ -22,7 +22,7 @@ pub(crate) enum PatternName {
     Grid,
     /// All white: overlaps and feathers.
     White,
-    /// Cells that tell their column and row: what is turned, swapped or beside its place.
+    /// Cells that show their column and row, and so what is turned, swapped or misplaced.
     Numbers,
 }
 

@@ -41,7 +41,7 @@ pub(crate) struct ImportanceArgs {
     /// What the eye does.
     #[arg(long, value_enum, default_value = "fixation")]
     mode: StateName,
-    /// Where the heat map of the value goes; the others beside it.
+    /// Where the heat map of the value goes; the others are written next to it.
     #[arg(long, value_name = "FILE.png")]
     out: PathBuf,
     /// Write FILE-..-update.png too, the picture with the quarter of its pixels updated that each
@@ -165,7 +165,7 @@ fn map(
     map
 }
 
-/// `heat.png` for the value, `heat-popping.png` and so on beside it.
+/// `heat.png` for the value, `heat-popping.png` and so on next to it.
 fn beside(out: &Path, name: &str, ending: &str) -> PathBuf {
     let stem = out.file_stem().unwrap_or_default().to_string_lossy();
     let part = if name == "value" {

@@ -33,7 +33,7 @@ pub(crate) struct LookOptions {
     )]
     spread: f64,
     /// What the eye resolves, in the place of the model's cells: CSV with ecc_deg and mar_deg or
-    /// mar_arcmin, the smallest pixel that is told apart.
+    /// mar_arcmin, the smallest pixel that can be resolved.
     #[arg(long, value_name = "FILE.csv")]
     acuity: Option<PathBuf>,
     #[command(flatten)]

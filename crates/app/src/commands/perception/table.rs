@@ -57,7 +57,7 @@ pub(crate) struct TableArgs {
     )]
     luminance: f64,
     /// What the eye resolves, in the place of the model's cells: CSV with ecc_deg and mar_deg or
-    /// mar_arcmin, the smallest pixel that is told apart.
+    /// mar_arcmin, the smallest pixel that can be resolved.
     #[arg(long, value_name = "FILE.csv", conflicts_with = "meridian")]
     acuity: Option<PathBuf>,
     /// The contrast sensitivity, in the place of the model's: CSV with cpd, ecc_deg and

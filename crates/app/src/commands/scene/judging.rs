@@ -71,7 +71,7 @@ impl Judge {
             drawing: drawing.clone(),
             bytes_per_s: f64::INFINITY,
             gpu_bytes: u64::MAX / 4,
-            // What is damaged, the player that is judged has told.
+            // The player that is judged has reported what is damaged.
             tell: |_| (),
         };
         let whole = match draws {
@@ -92,7 +92,7 @@ impl Judge {
         Ok(Self { whole, views })
     }
 
-    /// Compares what `player` shows of every view; tells how far the first is off.
+    /// Compares what `player` shows of every view; returns how far the first is off.
     pub(crate) fn frame(
         &mut self,
         player: &mut ScenePlayer,
@@ -107,7 +107,7 @@ impl Judge {
             let found = match judged.frame((whole, player), (view, standing), report) {
                 Err(error) if judged.scoring.is_none() && is_too_much(&error) => {
                     output::say(&format!(
-                        "errors are not told: the whole scene, which they are from, cannot be \
+                        "errors are not measured: the whole scene, which they are from, cannot be \
                          drawn: {error}"
                     ));
                     self.whole = None;
@@ -120,7 +120,7 @@ impl Judge {
         Ok(first)
     }
 
-    /// The scores of the run, by a `gaze` of that name; `None` where nobody asked.
+    /// The scores of the run, by a `gaze` of that name; `None` where none were asked for.
     pub(crate) fn scores(self, gaze: &str) -> anyhow::Result<Option<RunScores>> {
         let scoring = self.views.into_iter().filter_map(|view| view.scoring);
         let reports = scoring.map(|scoring| scoring.report(gaze.to_owned()));

@@ -33,7 +33,7 @@ pub(crate) fn route_of(text: &str) -> anyhow::Result<Route> {
     })
 }
 
-/// Somebody who moves along a route and looks round.
+/// A viewer who moves along a route and looks around.
 pub(crate) struct Mover {
     route: Route,
     gaze: GazeSource,

@@ -108,7 +108,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
     let there = pack_at(out)?;
-    // Before the work: who comes second is told at once.
+    // Before the work: a second preparation is refused at once.
     let claim = match there.is_none() || args.force {
         true => Some(NameClaim::of(out, if_taken(there.as_ref()))?),
         false => None,
@@ -365,7 +365,7 @@ const BUILD_S_OF_TEXEL: f64 = 2e-7;
 const BYTES_OF_TEXEL: f64 = 0.6;
 const BYTES_OF_EXACT_TEXEL: f64 = 2.5;
 
-/// The most memory that this program had so far, where the system tells.
+/// The most memory that this program had so far, where the system reports it.
 pub(crate) fn peak_memory_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status

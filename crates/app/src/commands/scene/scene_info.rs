@@ -167,7 +167,7 @@ impl SceneInfo {
         let [x, y, z] = self.centre.map(|it| (it * 1e4).round() / 1e4 + 0.0);
         let _ = writeln!(
             text,
-            "within {:.4} m of {x:.4}, {y:.4}, {z:.4}",
+            "centre {x:.4}, {y:.4}, {z:.4}, radius {:.4} m",
             self.radius
         );
         for (level, bytes) in self.bytes_per_level.iter().enumerate() {

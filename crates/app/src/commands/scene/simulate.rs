@@ -135,7 +135,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
         // Errors are of one view.
         let judged = judged.filter(|_| panels.is_none());
         if frame == 0 && panels.is_some() {
-            // Should it be interrupted, this tells in which folders its pictures lie.
+            // Should it be interrupted, this says in which folders its pictures lie.
             output::write_whole(&args.out.join(LOG), player.log().as_bytes())?;
         }
         if args.pictures == WrittenPictures::Png && frame.is_multiple_of(args.every) {
@@ -233,7 +233,7 @@ impl SimulateArgs {
         fps: Option<f64>,
     ) -> anyhow::Result<Judge> {
         let ahead = MountedPanel::views_from(panels, &HeadPose::default(), Default::default());
-        // Panels are only compared where somebody asks for their scores.
+        // Panels are only compared where their scores are asked for.
         let judging = match !panels.is_empty() && !self.scoring.is_asked() {
             true => &DrawDevice::Nothing,
             false => drawing,
@@ -246,7 +246,7 @@ impl SimulateArgs {
         Judge::open(&self.scoring, file, &views, judging, fps)
     }
 
-    /// Frames that are made: as many as the route takes, unless told otherwise; `None` before a
+    /// Frames that are made: as many as the route takes, by default; `None` before a
     /// viewer who stands still as long as their gaze is known.
     fn frames_known(&self, route: &Route, interval: f64) -> anyhow::Result<Option<u32>> {
         let Some(length) = route.length() else {
@@ -257,7 +257,7 @@ impl SimulateArgs {
             return Ok(self.frames.map(Ok).or(held).transpose()?);
         };
         self.hold
-            .refuse_for("a route, which tells how long it lasts")?;
+            .refuse_for("a route, which sets how long it lasts")?;
         if self.frames.is_some() {
             return Ok(self.frames);
         }

@@ -45,7 +45,7 @@ impl MetricName {
 /// Scores pictures, folders of numbered pictures, videos, two packs under two policies, or a pack
 /// against the file that it was made from; alone or many pairs at once.
 ///
-/// Without --gaze nobody looks at a place, and eccentricity does not count.
+/// Without --gaze there is no gaze, and eccentricity does not count.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ScoreArgs {
     /// A picture, a folder of numbered pictures, a video or a pack: what should be seen. Before a
@@ -61,8 +61,8 @@ pub(crate) struct ScoreArgs {
     /// that describes it.
     #[arg(long, value_name = "NAME|FILE.toml")]
     pub(super) display: Option<String>,
-    /// Where the eye looks, in the picture or beside it: pixels from the middle of the first one,
-    /// to the right and down, or center. Of a pack beside its source, as in `simulate`: YAW,PITCH
+    /// Where the eye looks, in the picture or outside it: pixels from the middle of the first one,
+    /// to the right and down, or center. Of a pack against its source, as in `simulate`: YAW,PITCH
     /// in degrees, center, scan, trace:FILE or head:FILE.
     #[arg(long, value_name = "X,Y", value_parser = parse_gaze_words, allow_hyphen_values = true)]
     #[arg(conflicts_with = "gaze_trace")]

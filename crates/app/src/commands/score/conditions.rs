@@ -50,7 +50,7 @@ pub(crate) enum GazeOnPicture {
     Trace(PathBuf, Arc<GazeTrace>),
 }
 
-/// What `--gaze` was given: of pictures and packs a place in pixels, of a pack beside its source
+/// What `--gaze` was given: of pictures and packs a place in pixels, of a pack against its source
 /// where its viewer looks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GazeWords(String);
@@ -60,7 +60,9 @@ pub(super) fn parse_gaze_words(text: &str) -> anyhow::Result<GazeWords> {
     let is_known = on_picture(text).is_some() || parse_gaze(text).is_ok();
     is_known
         .then(|| GazeWords(text.to_owned()))
-        .with_context(|| format!("expected {ON_PICTURE}; for a pack beside its source {OF_VIEWER}"))
+        .with_context(|| {
+            format!("expected {ON_PICTURE}; for a pack against its source {OF_VIEWER}")
+        })
 }
 
 const ON_PICTURE: &str = "two finite numbers of pixels as 10,-5, or center";
@@ -110,7 +112,7 @@ pub(super) fn gaze_of(
 }
 
 impl GazeOnPicture {
-    /// Where the eye looks in a frame of pictures of `size`, or beside it.
+    /// Where the eye looks in a frame of pictures of `size`, or outside it.
     pub(crate) fn at(&self, frame: u32, size: [u32; 2]) -> anyhow::Result<[f64; 2]> {
         match self {
             // As the published package: the pixel after the middle.
@@ -184,7 +186,7 @@ pub(super) fn fps_of(asked: Option<f64>, pair: [&Frames; 2]) -> anyhow::Result<O
         ),
         [Some(rate), _] | [None, Some(rate)] => Ok(Some(rate)),
         [None, None] => bail!(WrongUsage(format!(
-            "{}: numbered pictures tell no rate; give --fps",
+            "{}: numbered pictures have no rate; give --fps",
             reference.name.display()
         ))),
     }

@@ -89,7 +89,7 @@ impl Engine {
     }
 }
 
-/// Measures beside the score that share nothing with its model of the eye.
+/// Measures besides the score that share nothing with its model of the eye.
 pub(crate) struct Companions(Vec<(Companion, CompanionJudge)>);
 
 /// What they say: decibels are null for equal pictures, all that needs a gaze without one.

@@ -16,9 +16,9 @@ pub(super) struct Frames {
     pub(super) name: PathBuf,
     /// Columns and rows.
     pub(super) size: [u32; 2],
-    /// Frames a second, where it tells.
+    /// Frames a second, where it says so.
     pub(super) fps: Option<f64>,
-    /// How many there are, where it tells.
+    /// How many there are, where it says so.
     pub(super) frames: Option<u64>,
     /// Whether that is certain.
     pub(super) is_exact: bool,
@@ -26,7 +26,7 @@ pub(super) struct Frames {
     pub(super) is_still: bool,
     /// Whether code values follow a high dynamic range curve.
     pub(super) is_hdr: bool,
-    /// What shows it, where it tells.
+    /// What shows it, where it says so.
     pub(super) display: Option<Display>,
     source: Source,
 }

@@ -1,4 +1,4 @@
-//! How good does one picture or video look beside another, to an eye that looks at a place in it?
+//! How good does one picture or video look, compared with another, to an eye with a given gaze?
 
 mod args;
 mod conditions;

@@ -1,4 +1,4 @@
-//! What does an eye get from a pack, frame by frame, beside the source's own view?
+//! What does an eye get from a pack, frame by frame, compared with the source's own view?
 
 use crate::commands::score::conditions::GazeWords;
 use crate::commands::score::engine::Frame;

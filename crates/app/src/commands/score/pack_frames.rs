@@ -84,7 +84,7 @@ impl PackFrames {
         let gaze = GazeSample {
             time,
             received: time,
-            // Far beside the view the square of a ray is no finite number.
+            // Far outside the view the square of a ray is no finite number.
             gaze_in_content: (ray / ray.abs().max_element()).normalize(),
             valid: true,
             spread: Radians(0.0),
@@ -140,7 +140,7 @@ pub(crate) fn picture_of(player: &mut Player, view: &EyeView) -> anyhow::Result<
     }
 }
 
-/// Where in its view an eye looks: a gaze beside it or behind closed lids stays where it was last
+/// Where in its view an eye looks: a gaze outside it or behind closed lids stays where it was last
 /// seen.
 pub(crate) struct LastGaze {
     gaze_px: [f64; 2],

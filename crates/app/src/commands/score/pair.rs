@@ -61,7 +61,7 @@ impl ScoreArgs {
         };
         if self.fps.is_some() {
             bail!(WrongUsage(format!(
-                "--fps: {name} and its source tell their rate; leave it out"
+                "--fps: {name} and its source have a rate; leave it out"
             )));
         }
         let look = (gaze, self.seed);
@@ -164,7 +164,7 @@ impl ScoreArgs {
     ) -> anyhow::Result<Judged> {
         if self.heat.is_some() {
             bail!(WrongUsage(
-                "--heat: only fovvideovdp tells where; leave --metric".to_owned()
+                "--heat: only fovvideovdp shows where; leave --metric out".to_owned()
             ));
         }
         let mut judge = CompanionJudge::new(companion, viewing).context("--metric")?;

@@ -1,6 +1,7 @@
 //! How do all pairs of a table get their scores, whatever one of them does?
 //!
-//! One row of CSV a pair; what is wrong with a pair is told in its row, and the others are scored.
+//! One row of CSV a pair; what is wrong with a pair is reported in its row, and the others are
+//! scored.
 
 use crate::commands::score::args::ScoreArgs;
 use crate::commands::score::conditions::{GazeWords, display_of};
@@ -240,8 +241,8 @@ impl Table {
     }
 }
 
-/// A table that grows row by row beside its place, and takes it when it is whole: of a run that was
-/// stopped the rows so far are in `NAME.partial`.
+/// A table that grows row by row next to its place, and takes it when it is whole: of a run that
+/// was stopped the rows so far are in `NAME.partial`.
 struct GrowingTable {
     out: PathBuf,
     /// None where rows go to a device or a pipe.

@@ -155,7 +155,7 @@ impl ScoreReport {
         let decibels = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2} dB"));
         let _ = writeln!(
             text,
-            "beside it: PSNR {}, foveation-weighted PSNR {}, SSIM in the fovea {}",
+            "besides: PSNR {}, foveation-weighted PSNR {}, SSIM in the fovea {}",
             decibels(self.companions.psnr_db),
             decibels(self.companions.fw_psnr_db),
             self.companions
@@ -343,7 +343,7 @@ pub(super) fn citation() -> (Citation, String) {
     let mut text = format!(
         "Scores are those of FovVideoVDP {} as foveal {} computes it (mode compat: within 0.0005 \
          JOD of pyfvvdp 1.2.2 on its golden cases; mode strict: not comparable with published \
-         scores). Beside a score name display, pixels per degree, peak and black, mode, and where \
+         scores). With a score, name display, pixels per degree, peak and black, mode, and where \
          the gaze came from: `foveal score` prints them.\n\n{}\n\n",
         fit::VERSION,
         env!("CARGO_PKG_VERSION"),

@@ -12,10 +12,10 @@ use std::net::IpAddr;
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// Everything that an answer depends on beside the request.
+/// Everything that an answer depends on besides the request.
 pub(super) struct Server {
     pub(super) place: ServedPlace,
-    /// Names of hosts that requests may ask for beside this machine's; `None` for any.
+    /// Names of hosts that requests may ask for besides this machine's; `None` for any.
     pub(super) hosts: Option<Vec<String>>,
     /// Pages of which origin may read what is served: none but its own without this.
     pub(super) allow_origin: Option<HeaderValue>,
@@ -266,7 +266,7 @@ fn verdict<'a>(
     }
     let unchanged = match text(header::IF_NONE_MATCH) {
         Some(list) => names_tag(list),
-        // A date tells packs of one second not apart.
+        // A date does not distinguish packs of one second.
         None if file.is_by_content => false,
         None => matches!(
             text(header::IF_MODIFIED_SINCE).map(is_newer),
@@ -292,7 +292,7 @@ fn range<'a>(file: &FoundFile, text: impl Fn(HeaderName) -> Option<&'a str>) -> 
     }
 }
 
-/// A time as dates of headers tell it.
+/// A time as dates of headers give it.
 fn whole_seconds(time: SystemTime) -> SystemTime {
     let since = time.duration_since(UNIX_EPOCH).unwrap_or_default();
     UNIX_EPOCH + Duration::from_secs(since.as_secs())

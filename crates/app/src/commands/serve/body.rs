@@ -106,7 +106,7 @@ impl Body for FilePart {
         ready!(Pin::new(&mut self.file).poll_read(context, &mut read))?;
         let bytes = read.filled().len();
         if bytes == 0 {
-            // Somebody cut the file short after its length was told.
+            // The file was cut short after its length was sent.
             return Poll::Ready(Some(Err(ErrorKind::UnexpectedEof.into())));
         }
         piece.truncate(bytes);

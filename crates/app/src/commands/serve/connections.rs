@@ -34,7 +34,7 @@ struct OpenConnection {
 pub(super) struct Admitted {
     among: Arc<Connections>,
     number: u64,
-    /// Told when the connection must end.
+    /// Signalled when the connection must end.
     pub(super) ends: Arc<Notify>,
 }
 

@@ -219,7 +219,7 @@ async fn answered(stream: TcpStream, admitted: &Arc<Admitted>, server: Arc<Serve
     let mut stream = TimeoutStream::new(stream);
     stream.set_write_timeout(Some(PATIENCE));
     let answer = service_fn(|request| answer(request, Arc::clone(admitted), Arc::clone(&server)));
-    // A connection that breaks off concerns nobody but its other end.
+    // A connection that breaks off concerns only its other end.
     let _ = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(PATIENCE)

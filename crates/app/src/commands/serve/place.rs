@@ -26,7 +26,7 @@ pub(super) struct ServedPlace {
 pub(super) enum Holds {
     /// A folder.
     Folder(PathBuf),
-    /// A site that nobody wrote, and when it was made.
+    /// A site made on the fly, and when it was made.
     Site(Box<Site>, SystemTime),
 }
 

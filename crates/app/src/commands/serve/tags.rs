@@ -1,4 +1,4 @@
-//! Which tag tells a file's content from any other's?
+//! Which tag identifies a file's content?
 
 use foveal_media::pack::content_tag::content_tag;
 use std::collections::HashMap;
@@ -9,7 +9,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Most packs whose tags are kept.
 const MOST_KEPT: usize = 1024;
 
-/// Tags of packs, by what tells one open file from another.
+/// Tags of packs, by what identifies an open file.
 #[derive(Debug, Default)]
 pub(super) struct ContentTags {
     known: Mutex<HashMap<FileIdentity, String>>,
@@ -64,7 +64,7 @@ impl ContentTags {
     }
 }
 
-/// When a file was last changed, as far as the system tells.
+/// When a file was last changed, as far as the system says.
 pub(super) fn modified(there: &Metadata) -> SystemTime {
     there.modified().unwrap_or(UNIX_EPOCH)
 }

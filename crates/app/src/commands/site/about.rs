@@ -147,7 +147,7 @@ impl About {
     }
 }
 
-/// What a list of packs is headed by whom nobody named.
+/// The default title of a list of packs.
 fn heading_of(kinds: &[ListedKind]) -> String {
     let all = [
         (ListedKind::Video, "videos"),

@@ -81,7 +81,7 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     output::result(args.json, &exported, &exported.text())
 }
 
-/// Tells of packs that are larger than the file that they were made from.
+/// Reports packs that are larger than the file that they were made from.
 fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
     for path in packs {
         if let Some(said) = SitePack::open(path)?.growth() {
@@ -92,7 +92,7 @@ fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
 }
 
 /// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
-/// told.
+/// reported.
 fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
     for pack in packs {
         let file = SitePack::open(pack)?;
@@ -126,7 +126,7 @@ impl Exported<'_> {
     }
 }
 
-/// A folder that somebody keeps other things in is left alone.
+/// A folder with other things in it is left alone.
 fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
     let name = out.display();
     let mut entries = match std::fs::read_dir(out) {

@@ -34,7 +34,7 @@ pub(super) fn names_of(packs: &[PathBuf]) -> Result<Vec<String>, WrongUsage> {
                 "{path}: rename it: a site's names hold no colon, backslash or line break"
             )));
         }
-        // Some hosts do not tell A from a.
+        // Some hosts do not distinguish A from a.
         if let Some(other) = by_name.insert(name.to_lowercase(), pack) {
             return Err(WrongUsage(format!(
                 "{} and {} would both be {name}{ENDING} in the site; rename one",

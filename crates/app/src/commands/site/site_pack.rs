@@ -51,7 +51,7 @@ impl SitePack {
         }
     }
 
-    /// Reads all of it; `progress` is told how many bytes are done of how many. Returns what is
+    /// Reads all of it; `progress` receives how many bytes are done of how many. Returns what is
     /// damaged.
     pub(super) fn verify(&self, progress: impl FnMut(u64, u64)) -> Damage {
         match self {

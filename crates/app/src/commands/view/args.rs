@@ -62,7 +62,7 @@ pub(crate) struct ViewArgs {
     /// Begin paused.
     #[arg(long)]
     pub(super) paused: bool,
-    /// Stay at the end instead of beginning anew.
+    /// Stay at the end instead of starting over.
     #[arg(long)]
     pub(super) once: bool,
     /// Stills and scenes: close the window after so many seconds, at most 3600 (default: it stays
@@ -78,8 +78,8 @@ pub(crate) struct ViewArgs {
     /// Write what was selected and for which gaze to this file, for `foveal replay`.
     #[arg(long, value_name = "FILE")]
     pub(super) log: Option<PathBuf>,
-    /// The folder for screenshots, made where it is not there: the picture without what is written
-    /// over it (default: beside the pack, and for a script's the current folder).
+    /// The folder for screenshots, made if it does not exist: the picture without the text over it
+    /// (default: next to the pack, and for a script the current folder).
     #[arg(long, value_name = "DIR")]
     pub(super) screenshots: Option<PathBuf>,
     /// A file with one thing a line to happen by itself: SECONDS and key NAME, press NAME, release

@@ -1,4 +1,4 @@
-//! Where does whoever sits before the window look?
+//! Where is the window's viewer looking?
 
 use crate::commands::view::window::panes::RigPanes;
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel, parse_gaze};
@@ -72,7 +72,7 @@ impl Looking {
         })
     }
 
-    /// Whether the gaze changes though nobody touches the window.
+    /// Whether the gaze changes without any input to the window.
     pub(crate) fn moves(&self) -> bool {
         matches!(self, Self::Source { moves: true, .. })
     }
@@ -128,7 +128,7 @@ impl Looking {
     }
 }
 
-/// The key that stands for a saccade where no eye tracker tells of one.
+/// The key that stands for a saccade where no eye tracker reports one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum SaccadeKey {
     #[default]
@@ -155,7 +155,7 @@ impl SaccadeKey {
         }
     }
 
-    /// What the eye is doing; `None` where the key tells nothing of it.
+    /// What the eye is doing; `None` where the key says nothing about it.
     pub(crate) fn state(&self, now: Seconds, perception: &Parameters) -> Option<EyeState> {
         let since = match self {
             Self::NeverHeld => return None,

@@ -97,7 +97,7 @@ impl Ready {
     }
 }
 
-/// The sound of a pack; one that is damaged is told of and left out.
+/// The sound of a pack; one that is damaged is reported and left out.
 fn sound_of(pack: &LivePack) -> Option<Samples> {
     let LivePack::Video(file, _) = pack else {
         return None;

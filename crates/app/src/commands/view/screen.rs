@@ -23,7 +23,7 @@ pub(crate) struct WindowSurface {
     kept: Vec<Option<wgpu::Texture>>,
 }
 
-/// What the driver told of the device.
+/// What the driver reported about the device.
 #[derive(Debug, Default)]
 struct Health {
     lost: AtomicBool,
@@ -50,7 +50,7 @@ pub(crate) struct PlacedPicture {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Showing {
     Shown,
-    /// Nobody can see the window now.
+    /// The window cannot be seen now.
     Hidden,
     /// Try again at once.
     Again,
@@ -113,7 +113,7 @@ impl WindowSurface {
         self.health.lost.load(Ordering::Relaxed)
     }
 
-    /// Lets the driver tell what happened: a lost device, finished uploads.
+    /// Lets the driver report what happened: a lost device, finished uploads.
     pub(crate) fn listen(&self) {
         let _ = self.gpu.device.poll(wgpu::PollType::Poll);
     }
@@ -143,7 +143,7 @@ impl WindowSurface {
         let kept = self.kept[number].take().filter(|kept| kept.size() == size);
         let kept = kept.unwrap_or_else(|| {
             device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("picture beside another"),
+                label: Some("picture next to another"),
                 size,
                 mip_level_count: 1,
                 sample_count: 1,
@@ -161,7 +161,7 @@ impl WindowSurface {
     }
 
     /// Shows pictures pixel for pixel, black around them, and over it what `words` paints; once
-    /// they are drawn, `waits` tells how long they are to wait.
+    /// they are drawn, `waits` says how long they are to wait.
     pub(crate) fn show(
         &mut self,
         placed: &Placed,

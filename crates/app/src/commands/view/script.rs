@@ -47,7 +47,7 @@ pub(crate) enum Deed {
 /// How far the picture in the window is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum PictureIs {
-    /// Fetched anew, and nothing of it is there.
+    /// Being fetched again; none of it has arrived.
     Missing,
     /// To get finer.
     There,

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 const AHEAD_S: f64 = 0.25;
 /// Sound that is read at once.
 const CHUNK_S: f64 = 0.02;
-/// What a device takes at once: enough for a busy machine, little beside what it plays late.
+/// What a device takes at once: enough for a busy machine, little compared with what it plays late.
 const BUFFER_S: f64 = 0.04;
 /// Time until a broken device is tried again.
 const RETRY: Duration = Duration::from_secs(1);
@@ -57,7 +57,7 @@ struct State {
     ahead: VecDeque<f32>,
     /// Time in the content of the first sample of `ahead`.
     front: f64,
-    /// Where in the content it was told to begin, and when, in seconds since `begun`.
+    /// Where in the content it was asked to begin, and when, in seconds since `begun`.
     start: Start,
     /// When which time of the content is heard, in seconds since `begun`.
     heard: HeardLine,
@@ -68,7 +68,7 @@ struct State {
     gaps: u64,
     /// The device is gone.
     broken: bool,
-    /// A device is there that was not told where to begin.
+    /// A device is open that has no place to begin yet.
     waits: bool,
 }
 
@@ -223,7 +223,7 @@ impl Shared {
         }
         if state.discards {
             drop(state);
-            // Nobody hears that this device waits, and nobody else would slow it down.
+            // No one hears that this device waits, and nothing else would slow it down.
             std::thread::sleep(DISCARDED);
             return;
         }
@@ -255,7 +255,7 @@ impl Shared {
         self.wake.notify_one();
     }
 
-    /// The device tells of a fault: what it missed is counted, what ends it ends the stream.
+    /// The device reports a fault: what it missed is counted, what ends it ends the stream.
     fn fault(&self, error: &cpal::Error) {
         let mut state = self.lock();
         match error.kind() {
@@ -281,7 +281,7 @@ impl Shared {
         !waited.unwrap_or_else(PoisonError::into_inner).0.stop
     }
 
-    /// Reads ahead until told to stop.
+    /// Reads ahead until stopped.
     fn read_ahead(&self, samples: &mut Samples, round: Seconds, taken: Taken) {
         let channels = usize::from(taken.channels);
         let frames = (f64::from(taken.rate) * CHUNK_S) as usize;
@@ -316,7 +316,7 @@ fn play(
     round: Seconds,
     opened: &Sender<anyhow::Result<()>>,
 ) {
-    // What its functions say beside their results, this program says in one line.
+    // What its functions print besides their results, this program says in one line.
     #[cfg(target_os = "linux")]
     let _complaints = alsa::Output::local_error_handler();
     let mut first = true;
@@ -324,7 +324,7 @@ fn play(
         match open_device(shared, &samples) {
             Ok((stream, taken)) => {
                 if std::mem::take(&mut first) {
-                    // Whoever asked may be gone; the shared state tells.
+                    // The caller may be gone; the shared state says.
                     let _ = opened.send(Ok(()));
                 }
                 samples.mix_to(taken.channels);
@@ -357,11 +357,11 @@ fn open_device(shared: &Arc<Shared>, samples: &Samples) -> anyhow::Result<(cpal:
     let refused = |what: &str, error: cpal::Error| anyhow!("the sound device {what}: {error}");
     let default = device
         .default_output_config()
-        .map_err(|error| refused("tells no format", error))?;
+        .map_err(|error| refused("reports no format", error))?;
     let mut config: StreamConfig = default.config();
     let takes_rate = device
         .supported_output_configs()
-        .map_err(|error| refused("tells no formats", error))?
+        .map_err(|error| refused("reports no formats", error))?
         .any(|range| {
             range.channels() == config.channels
                 && range.sample_format() == SampleFormat::F32

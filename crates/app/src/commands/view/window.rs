@@ -1,4 +1,4 @@
-//! What does the system's window tell, and what is done about it?
+//! What does the system's window report, and what is done about it?
 
 mod input;
 pub(crate) mod panes;
@@ -45,7 +45,7 @@ pub(crate) fn run(ready: Ready) -> anyhow::Result<Summary> {
         .build()
         .map_err(|reason| {
             let reason = reason.to_string();
-            // Where in winit's source it was found helps nobody.
+            // Its place in winit's source does not help users.
             let reason = reason.rsplit(".rs:").next().unwrap_or_default();
             let reason =
                 reason.trim_start_matches(|c: char| c.is_ascii_digit() || ": ".contains(c));
@@ -94,7 +94,7 @@ struct Open {
     with_shift: bool,
     /// Where the pointer was when it last moved.
     pointer: [f64; 2],
-    /// Until when a window that was told its size is waited for.
+    /// Until when a window that was asked to resize is waited for.
     resizing: Option<f64>,
     /// The picture is not what it should be.
     stale: bool,
@@ -342,7 +342,7 @@ impl Open {
         }
     }
 
-    /// Begins anew on another device.
+    /// Starts over on another device.
     fn recover(
         &mut self,
         instance: &wgpu::Instance,

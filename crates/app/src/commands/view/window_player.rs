@@ -45,7 +45,7 @@ pub(crate) struct Begin {
     pub(crate) sound: Option<Sound>,
     /// What may be spent in a second; `None` without a limit.
     pub(crate) bytes_per_s: Option<f64>,
-    /// Stay at the end instead of beginning anew.
+    /// Stay at the end instead of starting over.
     pub(crate) once: bool,
     pub(crate) paused: bool,
     /// Whose picture is shown.
@@ -239,7 +239,7 @@ impl WindowPlayer {
     }
 
     /// Works out what units are worth to an eye with these parameters, where that is shown. A
-    /// device that is lost meanwhile is opened again, and all is worked out anew.
+    /// device that is lost meanwhile is opened again, and all is worked out again.
     fn mark_worth(&mut self, perception: &Parameters, now: Seconds) {
         let viewer = self.viewer.moment().filter(|_| self.importance);
         let viewer = viewer.map(|moment| (perception, moment));
@@ -289,7 +289,7 @@ impl WindowPlayer {
         self.words.say(message, now);
     }
 
-    /// Looks where the viewer looks and moves the session on. Returns whether to paint anew.
+    /// Looks where the viewer looks and moves the session on. Returns whether to repaint.
     pub(crate) fn step(&mut self, pane: &Pane, now: Seconds) -> anyhow::Result<bool> {
         self.viewer.navigation.fly_on(pane, now);
         self.follow_sound(now);
@@ -348,7 +348,7 @@ impl WindowPlayer {
         self.viewer.hear(self.live.session(), heard, now);
     }
 
-    /// What the sound tells of the content's time; one that waits for its frame begins with it.
+    /// What the sound says about the content's time; one that waits for its frame begins with it.
     fn heard(&mut self, now: Seconds) -> Heard {
         let Some(sound) = &self.sound else {
             return Heard::Nothing;
@@ -392,7 +392,7 @@ impl WindowPlayer {
     /// there before.
     pub(crate) fn drawn(&mut self, begun: Option<Seconds>, at: Seconds) {
         self.draw_rate.note(at);
-        // What is drawn again while another frame is awaited tells nothing.
+        // What is drawn again while another frame is awaited shows nothing.
         if self.viewer.is_drawn(self.live.session()) {
             return;
         }

@@ -1,4 +1,4 @@
-//! What is to be done about a cause that tells only what it is?
+//! What is to be done about a cause that says only what it is?
 
 use foveal_core::pack::PackError;
 use foveal_render::RenderError;

@@ -3,7 +3,7 @@
 use foveal_core::units::one_line;
 use std::path::Path;
 
-/// A message, told apart.
+/// A message, in its parts.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Message {
     pub(super) place: Option<String>,

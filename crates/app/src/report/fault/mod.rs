@@ -1,7 +1,7 @@
 //! What failed, where, and what is to be done next?
 //!
 //! Messages have one form, `where: what; what to do next`, and may have causes behind them; so
-//! every error gives these three parts, whoever wrote it.
+//! every error gives these three parts, whatever raised it.
 
 mod causes;
 mod message;
@@ -99,7 +99,7 @@ impl Fault {
 
 /// What to do where nothing better is known.
 fn help(called: &Called) -> String {
-    format!("`{} --help` tells what can be given", called.command)
+    format!("see `{} --help`", called.command)
 }
 
 /// The option or word that an error is about.
@@ -112,7 +112,7 @@ fn wrong_word(error: &clap::Error) -> Option<String> {
     })
 }
 
-/// The whole error for people: each cause once, and what to do where the messages do not tell but
+/// The whole error for people: each cause once, and what to do where the messages do not say but
 /// their cause does.
 pub(crate) fn told(error: &anyhow::Error) -> String {
     let text = message::whole(error);

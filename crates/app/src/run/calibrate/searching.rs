@@ -1,6 +1,6 @@
-//! At which bounds is a content judged, and what is told of them?
+//! At which bounds is a content judged, and which rows are kept?
 //!
-//! The first comes from constants; each further one lies where those before foretell a score that
+//! The first comes from constants; each further one lies where those before predict a score that
 //! is still to be found.
 
 use super::measures::{CalibrationExtent, FoundAtBound};
@@ -22,7 +22,7 @@ const BOUNDS: [f64; 2] = [1e-2, 1e6];
 const SLOPES: [f64; 2] = [0.0015, 0.35];
 /// Below this, in JOD, it does not matter how little is lost.
 const NEXT_TO_NOTHING: f64 = 0.02;
-/// The bound that is tried first: about what 9.5 JOD takes of most content.
+/// The bound that is tried first: about what 9.5 JOD needs for most content.
 const FIRST_BOUND: f64 = 400.0;
 /// Steps are at most by this factor.
 const MOST_STEP: f64 = 8.0;
@@ -104,7 +104,7 @@ impl Search {
                 let share = (asked - low[1]) / (high[1] - low[1]);
                 low[0] + share * (high[0] - low[0])
             }
-            // Where next to nothing is lost, how little tells nothing of what lies beyond.
+            // Where almost nothing is lost, how little says nothing about what lies beyond.
             (Some(low), Some(high)) => by_law(high).max(low[0] + 0.3 * (high[0] - low[0])),
             (Some(low), None) => by_law(low).min(low[0] + MOST_STEP.ln()),
             (None, Some(high)) => by_law(high).max(high[0] - MOST_STEP.ln()),
@@ -114,7 +114,7 @@ impl Search {
     }
 }
 
-/// The rows of what was found, as the table tells them: scores that fall while bounds rise.
+/// The rows of what was found, as the table holds them: scores that fall while bounds rise.
 pub(super) fn rows_of(
     rule: Expectation,
     ppd: f64,

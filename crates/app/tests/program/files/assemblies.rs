@@ -54,7 +54,7 @@ fn boxes(parts: usize, places: usize) -> Vec<u8> {
     glb(&json, &bytes)
 }
 
-/// What preparing tells, after `info` told the same and `verify` found nothing.
+/// What preparing reports, after `info` said the same and `verify` found nothing.
 fn prepared(folder: &Folder, name: &str, file: &[u8]) -> (String, Value) {
     let file = folder.holding(name, file);
     let pack = folder.name(&format!("{name}.foveal"));

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 /// Triangles of a square.
 const SQUARE: u64 = 2;
 
-/// Two squares beside each other, each a mesh of its own, and their bytes.
+/// Two squares next to each other, each a mesh of its own, and their bytes.
 fn squares() -> (Value, Vec<u8>) {
     let corners = [[0.0_f32, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let places: Vec<f32> = corners.iter().flat_map(|[x, y]| [*x, *y, 0.0]).collect();

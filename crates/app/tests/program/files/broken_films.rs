@@ -1,4 +1,4 @@
-//! Is what is odd, cut or damaged in films and animations shown, told and counted?
+//! Is what is odd, cut or damaged in films and animations shown, reported and counted?
 
 use super::film_file::Film;
 use super::films::{moving, prepared, remarks, repair, shown};
@@ -13,7 +13,7 @@ fn made(folder: &Folder, name: &str, film: &Film<'_>) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-/// What is told of bytes that are given this name, and that `--strict` refuses them if it must.
+/// What is reported of bytes under this name, and that `--strict` refuses them if it must.
 fn told_of(folder: &Folder, name: &str, bytes: &[u8], is_mended: bool) -> Value {
     let file = folder.holding(name, bytes);
     let told = prepared(folder, &file, &[]);
@@ -236,7 +236,7 @@ fn frames_that_vanish_between_others_are_told() {
         false,
     );
     assert!(!remarks(&told).contains("missing"), "{told}");
-    // What was cut out of a cluster is told by its structure.
+    // What was cut out of a cluster shows in its structure.
     let film = Film {
         frames: 30,
         size: [96, 64],

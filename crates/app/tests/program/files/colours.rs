@@ -1,4 +1,4 @@
-//! Are colours shown that files tell in numbers of an odd kind or size?
+//! Are colours shown that files store in numbers of an odd kind or size?
 
 use super::row::{Row, png_of};
 use crate::support::Folder;
@@ -6,7 +6,7 @@ use crate::support::Folder;
 /// What all of them should show.
 const COLOUR: [u8; 3] = [200, 100, 50];
 
-/// Rows of numbers as text; a PLY of a square with these properties beside x, y and z.
+/// Rows of numbers as text; a PLY of a square with these properties besides x, y and z.
 fn ply_square(kind: &str, colour: [f64; 3]) -> String {
     let [r, g, b] = colour;
     let mut text = format!(
@@ -122,7 +122,7 @@ fn colours_of_meshes_are_shown_whatever_kind_of_number_they_are() {
     row.assert_alike(&names);
     row.assert_remarks(&["colours", "reach 255", "4294967295"]);
     row.assert_remarks(&["colours", "reach 4095", "65535"]);
-    row.assert_remarks(&["whole numbers", "255 is taken"]);
+    row.assert_remarks(&["whole numbers", "255 counts"]);
     row.assert_remarks(&["gloss is not drawn"]);
     assert_eq!(row.mended("colours_not_normalised"), 4);
     assert_eq!(row.mended("black_under_textures"), 1);

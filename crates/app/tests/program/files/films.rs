@@ -1,4 +1,4 @@
-//! Are films as people have them shown, and is what was mended told?
+//! Are films as people have them shown, and are repairs reported?
 
 use super::film_file::{Film, trimmed};
 use crate::scenes::{VIDEO, waves};
@@ -7,7 +7,7 @@ use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
 use serde_json::Value;
 use std::path::Path;
 
-/// Prepares a film fast and coarse, and gives what is told of it.
+/// Prepares a film fast and coarse, and gives what is reported of it.
 pub(super) fn prepared(folder: &Folder, film: &str, how: &[&str]) -> Value {
     let pack = folder.name("film.foveal");
     let all = [
@@ -248,7 +248,7 @@ fn a_circle_stays_a_circle_whoever_says_how_wide_pixels_are() {
     }
 }
 
-/// How far lines differ from the two beside them, at most, where those agree.
+/// How far lines differ from the two next to them, at most, where those agree.
 fn comb(picture: &Rgb) -> f64 {
     let [w, h] = picture.size;
     let luma = |x: u32, y: u32| f64::from(picture.at([x, y])[1]);

@@ -44,7 +44,7 @@ fn with(mut bytes: Vec<u8>, at: usize, number: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// How many points are shown of what must be told as `names` of repairs.
+/// How many points are shown where `names` of repairs must be reported.
 fn shown(folder: &Folder, name: &str, bytes: &[u8], names: &[&str]) -> u64 {
     let pack = folder.name("scan.foveal");
     let file = folder.holding(name, bytes);

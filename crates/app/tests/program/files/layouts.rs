@@ -98,7 +98,7 @@ fn regions_of_other_resolutions_than_their_shares_are_placed_by_these_and_told()
         "{said}"
     );
     assert_eq!(places(&fewer), places(&even));
-    // An overlap is told, and drawn.
+    // An overlap is reported, and drawn.
     let file = folder.holding("more.xml", document(100, "").as_bytes());
     let out = folder.name("maps");
     let ran = done(&[

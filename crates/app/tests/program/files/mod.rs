@@ -1,4 +1,4 @@
-//! Is a file as people have it shown, and is what was mended in it told?
+//! Is a file as people have it shown, and are repairs in it reported?
 //!
 //! Inputs are made here, after what users of other players, viewers and converters reported.
 

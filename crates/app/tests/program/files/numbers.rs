@@ -1,4 +1,4 @@
-//! Do numbers that are none, lines out of order and rows that are missing cost no more than
+//! Do invalid numbers, lines out of order and missing rows cost no more than
 //! themselves?
 
 use super::meshes::{le_bytes, picture, prepared, shown};
@@ -13,7 +13,7 @@ fn square(before: &str, behind: &str) -> Vec<u8> {
 /// What is expected of a file: so many triangles and points, and a mend by this name, or none.
 type Expected<'a> = (u64, u64, &'a str);
 
-/// Prepares a file and compares; every mend must be told in words, too.
+/// Prepares a file and compares; every mend must be reported in words, too.
 fn check(folder: &Folder, name: &str, bytes: &[u8], (triangles, points, mend): Expected<'_>) {
     let told = prepared(folder, name, bytes, &[]);
     let what = format!("{name}: {:?}: {told}", String::from_utf8_lossy(bytes));

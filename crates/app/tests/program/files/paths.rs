@@ -72,8 +72,8 @@ fn a_picture_is_found_by_its_name_wherever_it_lay() {
     let [r, g, b] = row.colours[0];
     assert!(r > 150 && g < 60 && b < 60, "{:?}", row.colours);
     assert_eq!(row.mended("missing_images"), 0, "{}", row.told);
-    row.assert_remarks(&["C:", "wood.png", "is taken for it"]);
-    row.assert_remarks(&["no \"Wood.PNG\"", "\"wood.png\", which is taken"]);
+    row.assert_remarks(&["C:", "wood.png", "is used instead"]);
+    row.assert_remarks(&["no \"Wood.PNG\"", "\"wood.png\", which is used"]);
     row.assert_remarks(&["Stone.png", "textures/stone.PNG"]);
     assert!(row.mended("files_found_elsewhere") >= 9, "{}", row.told);
     assert_eq!(row.mended("files_found_by_case"), 1, "{}", row.told);

@@ -1,4 +1,4 @@
-//! Are pictures as people have them shown, and is what was mended told?
+//! Are pictures as people have them shown, and are repairs reported?
 
 use super::film_file::coded;
 use crate::support::{Folder, Rgb, done, foveal, frame_picture, json, refused};

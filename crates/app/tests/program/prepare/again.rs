@@ -129,9 +129,9 @@ fn a_pack_of_an_older_program_or_a_damaged_one_is_another() {
         refused(2, &prepare(&clip, &out), &["a.foveal", how, "--force"]);
         kept.assert();
     }
-    // Whoever sees the pack learns no folder.
+    // The pack gives away no folder.
     let here = folder.to_str().unwrap();
-    assert!(!text.contains(here), "the pack tells {here}");
+    assert!(!text.contains(here), "the pack names {here}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ struct Photo {
     rgb: Vec<u8>,
 }
 
-/// What a file says beside its pixels.
+/// What a file says besides its pixels.
 #[derive(Clone, Default)]
 struct Tags {
     exif: Option<Vec<u8>>,
@@ -115,7 +115,7 @@ fn exif(orientation: u16) -> Vec<u8> {
     bytes.extend(orientation.to_be_bytes());
     bytes.extend([0, 0]);
     bytes.extend([0x82, 0x98, 0, 2, 0, 0, 0, 8, 0, 0, 0, 38, 0, 0, 0, 0]);
-    bytes.extend(b"nobody.\0");
+    bytes.extend(b"no one.\0");
     bytes
 }
 
@@ -256,7 +256,7 @@ fn by_default_the_finest_level_of_a_picture_scores_as_high_as_its_source_without
 #[test]
 fn exif_stands_a_picture_upright_once() {
     let folder = Folder::new();
-    // Red, green above blue, white: where each is seen tells the orientation.
+    // Red, green above blue, white: where each is seen shows the orientation.
     let quarters = [[220, 30, 30], [30, 200, 30], [30, 30, 220], [240, 240, 240]];
     let photo = Photo::new([96, 64], |x, y| quarters[(x / 48 + y / 32 * 2) as usize]);
     for (number, order) in [

@@ -22,7 +22,7 @@ fn halves(size: [u32; 2], frames: u32) -> Vec<Picture> {
     (0..frames).map(frame).collect()
 }
 
-/// Runs the program with `--quality auto`, and with `--json` to tell of it.
+/// Runs the program with `--quality auto`, and with `--json` to report it.
 fn auto(clip: &str, pack: &str, how: &[&str]) -> serde_json::Value {
     let start = ["prepare", "video", clip, "--out", pack, "--quality", "auto"];
     json(&[&start, how].concat())

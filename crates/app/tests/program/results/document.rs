@@ -23,8 +23,8 @@ pub(super) struct Document {
 
 const TEXT: &str = include_str!("../../../../../docs/formats/results.md");
 const HEADER: [&str; 4] = ["key", "unit", "meaning", "when"];
-/// Whose unit another key tells.
-pub(super) const TOLD: &str = "as told";
+/// Whose unit another key gives.
+pub(super) const TOLD: &str = "as given";
 const UNITS: [&str; 38] = [
     TOLD,
     "1/degree²",

@@ -8,7 +8,10 @@ use serde_json::Value;
 /// The parts of the failure of a command, which prints nothing else.
 fn error(code: i32, arguments: &[&str]) -> [String; 3] {
     let ran = refused(code, &[arguments, &["--json"]].concat(), &[]);
-    assert!(!ran.stderr.is_empty(), "{arguments:?} tells people nothing");
+    assert!(
+        !ran.stderr.is_empty(),
+        "{arguments:?} prints nothing for people"
+    );
     let found = json_of(&ran);
     let parts = found["error"].as_object().unwrap();
     assert_eq!(found.as_object().unwrap().len(), 1, "{found}");

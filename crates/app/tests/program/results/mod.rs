@@ -114,7 +114,7 @@ fn no_unit_contradicts_the_ending_of_its_key() {
             let key = told(&place);
             match (known, unit == TOLD) {
                 (Some(known), false) => assert_eq!(known, unit, "{command}: {key}"),
-                // These tell the unit beside the number.
+                // These give the unit next to the number.
                 (None, true) if ["score", "bench scene"].contains(&command) => {}
                 (None, true) => panic!("{command}: {key}: in which unit?"),
                 _ => {}

@@ -1,6 +1,6 @@
 //! Which unit does the ending of a key say?
 
-/// Which of many values a key tells; behind the unit.
+/// Which of many values a key is; behind the unit.
 const WHICH: [&str; 10] = [
     "_mean",
     "_median",

@@ -4,7 +4,7 @@
 //! so that a texel of level l spans 2^l texels of the source, from its left and top on. A level is
 //! cut into pages from its left and top. A page is sent with a border of the texels round it, so
 //! that it can be drawn between its texels without its neighbours. The coarsest level that is sent
-//! is the first that one page holds; whoever draws makes those down to one texel from it.
+//! is the first that one page holds; the drawing side makes those down to one texel from it.
 
 use super::picture::TexturePicture;
 use super::wrap::Wrap;
@@ -112,7 +112,7 @@ impl TextureShape {
         self.cut_of_rows(&row, page, wrap)
     }
 
-    /// The same of a level whose rows `row` gives: those of the page, and those that lie beside it.
+    /// The same of a level whose rows `row` gives: those of the page and those next to it.
     ///
     /// # Panics
     /// There must be such a page, and the rows must be as long as those of its level.

@@ -1,8 +1,8 @@
-//! What lies beside a texture?
+//! What lies outside a texture?
 
 use serde::{Deserialize, Serialize};
 
-/// What lies beside a texture along an axis.
+/// What lies outside a texture along an axis.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize,
 )]
@@ -18,7 +18,7 @@ pub enum Wrap {
 }
 
 impl Wrap {
-    /// Which texel of `side` lies at a place along the axis, also beside the texture.
+    /// Which texel of `side` lies at a place along the axis, also outside the texture.
     ///
     /// # Panics
     /// There must be a texel.

@@ -1,7 +1,7 @@
 //! Where is a new vertex on its way from the coarse surface to its place?
 //!
 //! It starts at the nearest point of the triangles that its unit is shown in place of. A point is
-//! told by the corners of a triangle and their shares, so that it moves along where these are on
+//! given by the corners of a triangle and their shares, so that it moves along where these are on
 //! their way themselves; the vertex moves with it, and away from it by what lies between the two in
 //! the end. All is in whole numbers: vertices at one place stay at one place, and
 //! whatever triangles meet there go on meeting there.

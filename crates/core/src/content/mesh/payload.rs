@@ -2,7 +2,7 @@
 //!
 //! A unit holds the fine clusters of one group and the vertices that lie inside it: each vertex of
 //! a mesh is sent once. The vertices that stay when the group is simplified are those of the
-//! coarse clusters, which came with units before; which these are, the table of units tells.
+//! coarse clusters, which came with units before; the table of units lists them.
 //! Normative: docs/formats/pack.md.
 //!
 //! In order, numbers little-endian:
@@ -51,13 +51,13 @@ pub struct ClusterRef {
 }
 
 impl ClusterRef {
-    /// As the table of units tells it: the prerequisite times 16, plus the number there.
+    /// As the table of units stores it: the prerequisite times 16, plus the number there.
     #[must_use]
     pub fn to_byte(self) -> u8 {
         self.need << 4 | (self.cluster & 15)
     }
 
-    /// The cluster that such a byte tells. Every byte is one.
+    /// The cluster that such a byte encodes. Every byte is one.
     #[must_use]
     pub fn from_byte(byte: u8) -> Self {
         Self {
@@ -87,7 +87,7 @@ pub struct MeshUnit {
     pub clusters: Vec<Cluster>,
 }
 
-/// What vertices of an object have beside a place.
+/// What vertices of an object have in addition to a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Attributes {
     /// Normals; without, faces are flat.
@@ -104,7 +104,7 @@ impl Attributes {
         u8::from(self.normals) | u8::from(self.colours) << 1 | u8::from(self.textured) << 2
     }
 
-    /// Bytes of what a vertex has beside a place, before they are compressed.
+    /// Bytes of a vertex's attributes, before they are compressed.
     fn stride(self) -> usize {
         // The codec takes multiples of four.
         let [normals, colours, textured] =
@@ -117,7 +117,7 @@ impl MeshUnit {
     /// The unit as bytes, of an object whose vertices have these attributes.
     ///
     /// # Errors
-    /// More clusters, vertices or triangles than a unit can tell of.
+    /// More clusters, vertices or triangles than a unit can hold.
     pub fn write(&self, attributes: Attributes) -> Result<Vec<u8>, PackError> {
         let counts = [self.replaces.len(), self.clusters.len()];
         let most =

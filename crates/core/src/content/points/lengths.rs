@@ -1,6 +1,6 @@
 //! How do numbers of all sizes become few bits, and are read fast?
 //!
-//! A number is a class, and what tells it from others of its class: its low bits as they are.
+//! A number is a class, and an offset within its class: its low bits as they are.
 //! Classes get codes whose lengths fit how often they occur (Huffman 1952), written before. Numbers
 //! that are all the same small one take no bits. A list says how many bytes it has, so that several
 //! can be read in turn: where each number begins depends on the one before, and a processor follows
@@ -20,7 +20,7 @@ const ALONE: u32 = 4;
 /// Number of classes: two for each count of bits up to 64.
 const CLASSES: usize = 126;
 
-/// The class of a number, the bits that tell it from others of its class, and how many these are.
+/// The class of a number, the bits of its offset within the class, and how many these are.
 fn classed(number: u64) -> (u8, u64, u32) {
     if number < u64::from(ALONE) {
         return (number as u8, 0, 0);
@@ -181,7 +181,7 @@ pub(super) struct NumberList<'a> {
     at: usize,
     /// Bits of the longest code.
     mask: u64,
-    /// By the next bits: what [`Entry`] tells of the class whose code they begin with.
+    /// By the next bits: the [`Entry`] of the class whose code they begin with.
     table: Vec<u64>,
 }
 
@@ -189,7 +189,7 @@ impl<'a> NumberList<'a> {
     /// Opens the list that is in front, and takes it away.
     ///
     /// # Errors
-    /// It has fewer bytes than it says, or its codes are none.
+    /// It has fewer bytes than it says, or its codes are invalid.
     pub(super) fn take(bytes: &mut &'a [u8]) -> Result<Self, PackError> {
         let mut list = Self {
             bytes: take_block(bytes)?,

@@ -36,7 +36,7 @@ const HEAD_BYTES: usize = 20;
 /// Most points of a unit, and most corrections.
 pub const MOST_POINTS: usize = 8192;
 
-/// What points of an object have beside a place.
+/// What points of an object have in addition to a place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointAttributes {
     /// Colours; without, the object's own.
@@ -76,7 +76,7 @@ impl PointUnit {
     /// the order in which [`Self::parse`] gives them, which corrections of finer units count on.
     ///
     /// # Errors
-    /// More points than a unit can tell of, or some that do not lie in its cube.
+    /// More points than a unit can hold, or some that do not lie in its cube.
     pub fn write(&mut self, attributes: PointAttributes) -> Result<Vec<u8>, PackError> {
         self.check()?;
         let order = ordered(&mut self.points, (self.corner, self.bits));
@@ -242,7 +242,7 @@ fn read_steps(
     classes.end(u8::MAX.into())
 }
 
-/// Numbers that are told as what is added to the one before.
+/// Numbers written as differences from the one before.
 #[derive(Default)]
 struct Steps<'a> {
     /// `None` where all of them are 0.

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
 const ERROR_PIXELS: f64 = 1.0;
-/// Triangles with shorter sides on the display, in pixels, are not told apart from finer ones.
+/// Triangles with shorter sides on the display, in pixels, are not distinguished from finer ones.
 const SIDE_PIXELS: f64 = 0.25;
 
 /// Why scenes are not chosen by a policy; `None` of those that they are chosen by.
@@ -68,7 +68,7 @@ impl SceneDemand {
             held: vec![false; units],
             values: vec![0.0; units],
             worth: SceneWorth::new(&scene, &config.perception, config.importance),
-            // No unit tells its texture: acuity at a slope that keeps the score for any.
+            // The texture of units is unknown: acuity at a slope that keeps the score for any.
             config: match config.policy {
                 Policy::Acuity => config.without_signatures(),
                 _ => config.clone(),
@@ -88,7 +88,7 @@ impl SceneDemand {
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
             // What a rule leaves coarse has too small an error; what is bought ends where triangles
-            // cannot be told apart, by their shading either.
+            // cannot be distinguished, not even by their shading.
             let error = match spends {
                 true => stand.error.max(stand.side * ERROR_PIXELS / SIDE_PIXELS),
                 false => stand.error,
@@ -173,8 +173,8 @@ impl SceneDemand {
         })
     }
 
-    /// The least and the largest that [`Self::excess`] may be; `None` where the eye's model does
-    /// not tell that by two eccentricities.
+    /// The least and the largest that [`Self::excess`] may be; `None` where two eccentricities do
+    /// not decide it in the eye's model.
     fn rough_excess(&self, rough: &RoughError, sight: &Sight) -> Option<[f64; 2]> {
         let pixels = rough.error.0 * sight.pixels / ERROR_PIXELS;
         match (self.config.policy, &self.config.acuity) {
@@ -210,7 +210,7 @@ impl SceneDemand {
     }
 }
 
-/// How much larger an error is than a pixel, or than what is told apart at its eccentricity: the
+/// How much larger an error is than a pixel, or than what can be resolved at its eccentricity: the
 /// less of both.
 pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
     let allowed = smallest_angle_deg(acuity, seen.eccentricity);
@@ -218,7 +218,7 @@ pub(super) fn acuity_excess(seen: &SeenError, acuity: &AcuityModel) -> f64 {
     pixels.min(seen.error.to_degrees() / allowed)
 }
 
-/// The smallest angle that is told apart at an eccentricity, in degrees.
+/// The smallest angle that can be resolved at an eccentricity, in degrees.
 fn smallest_angle_deg(acuity: &AcuityModel, eccentricity: Radians) -> f64 {
     0.5 / acuity.best_acuity(eccentricity).0
 }

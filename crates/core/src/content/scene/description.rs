@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the description of every scene has as its kind, and needs of its reader.
 pub const KIND: &str = "scene";
-/// Most objects of a scene: a row of the table of units tells one in 16 bits, of which the last
+/// Most objects of a scene: a row of the table of units names one in 16 bits, of which the last
 /// stands for all.
 pub const MOST_OBJECTS: usize = 65_535;
 /// What the description needs whose objects lie in a side table of that name.
@@ -269,7 +269,7 @@ pub struct SceneTexture {
     pub name: String,
     /// Columns and rows of texels, at most 16384 each.
     pub size: [u32; 2],
-    /// What lies beside it, along rows and along columns.
+    /// What lies outside it, along rows and along columns.
     pub wrap: [Wrap; 2],
     /// Its mean colour in linear light, red, green and blue: what stands in until a page is there.
     pub colour: [f32; 3],
@@ -389,7 +389,7 @@ impl SceneDescription {
                 return Err(PackError::new(
                     "objects, textures",
                     told,
-                    "none beside their table",
+                    "none next to their table",
                 ));
             }
             return about.check_rest().map(|()| about);

@@ -32,7 +32,7 @@ const POINTS: u8 = 32;
 const INTENSITIES: u8 = 2;
 const CLASSES: u8 = 4;
 
-/// What lies beside a texture, by the number that tells it.
+/// What lies outside a texture, by the number that stands for it.
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
 
 /// The table of these objects and textures.

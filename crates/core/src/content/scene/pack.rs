@@ -41,7 +41,7 @@ pub struct ScenePack {
     rows: Vec<UnitRow>,
 }
 
-/// What tells kinds of packs apart; a video's has none.
+/// What distinguishes kinds of packs; a video's has none.
 #[derive(Deserialize)]
 struct Kind {
     #[serde(default)]
@@ -97,7 +97,7 @@ impl ScenePack {
     /// The index of the pack of a description whose header is `header`, without any of its pages.
     ///
     /// # Errors
-    /// The header tells of another length than the description's units take.
+    /// The header gives another length than the description's units take.
     pub fn index_of(header: &Header, description: &SceneDescription) -> Result<Index, PackError> {
         Index::new(header, numbers_of(description)?)
     }
@@ -249,7 +249,7 @@ impl ScenePack {
         &self.index
     }
 
-    /// What is told of a unit.
+    /// The table's row of a unit.
     ///
     /// # Panics
     /// There must be such a unit.
@@ -258,7 +258,7 @@ impl ScenePack {
         &self.rows[unit.0 as usize]
     }
 
-    /// What is told of all units, in order.
+    /// The table's rows of all units, in order.
     #[must_use]
     pub fn rows(&self) -> &[UnitRow] {
         &self.rows
@@ -349,7 +349,7 @@ impl ScenePack {
         self.index.entry(unit)
     }
 
-    /// The pages of the index and of the table that tell of a unit, with their bytes: what a reader
+    /// The pages of the index and of the table that cover a unit, with their bytes: what a reader
     /// over a network loads before the unit itself.
     #[must_use]
     pub fn pages_of(&self, unit: UnitId) -> [(u32, u64); 2] {

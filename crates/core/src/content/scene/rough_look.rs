@@ -19,7 +19,7 @@ pub(super) enum RoughLook {
     Missed,
     /// It is seen so.
     Seen(RoughError),
-    /// Only working it out tells.
+    /// Only working it out decides.
     Unsure,
 }
 

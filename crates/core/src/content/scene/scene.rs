@@ -95,7 +95,7 @@ impl Scene {
     }
 
     /// By which angle about its middle an eye is raised that is to see it at first: none, but of
-    /// what lies flat, as land does, which shows nothing from beside.
+    /// what lies flat, as land does, which shows nothing from the side.
     #[must_use]
     pub fn rise(&self) -> Radians {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -145,7 +145,7 @@ impl Scene {
 }
 
 /// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
-/// over a disc of its sphere. A page, and points, tell all by their error.
+/// over a disc of its sphere. For a page, and for points, the error says all.
 fn coarse_side(row: &UnitRow) -> f64 {
     if row.kind != UnitKind::Mesh {
         return 0.0;

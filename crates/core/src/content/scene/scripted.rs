@@ -105,7 +105,7 @@ fn scattered(unit: u32, k: u32) -> f32 {
     (mixed >> 8) as f32 / (1 << 23) as f32 - 1.0
 }
 
-/// What is told of the next unit after `before`.
+/// The row of the next unit after `before`.
 fn row(unit: u32, before: &[UnitRow]) -> UnitRow {
     // Units are numbered coarsest level first.
     let (mut first, mut coarser) = (0, 0);

@@ -39,7 +39,7 @@ impl StepWitness {
     }
 
     /// Whether the error of what a unit is shown in place of is in view, and larger than a pixel
-    /// and than what the eye tells apart there. Costs a microsecond for each place and view.
+    /// and than what the eye resolves there. Costs a microsecond for each place and view.
     ///
     /// # Panics
     /// There must be such a unit.

@@ -59,7 +59,7 @@ pub struct SeenExtent {
 }
 
 impl Sight {
-    /// What is seen in a glance and up to `margin` beside its view.
+    /// What is seen in a glance and up to `margin` outside its view.
     #[must_use]
     pub fn new(glance: &Glance, margin: Radians) -> Self {
         let view = glance.view.as_ref();

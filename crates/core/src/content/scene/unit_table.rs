@@ -1,4 +1,4 @@
-//! What is told of the units of a scene before they are fetched?
+//! What is known of a unit before it is fetched?
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
@@ -20,7 +20,7 @@ pub const MOST_NEEDS: usize = 16;
 const SPHERE_BYTES: usize = 24;
 /// Bytes of a row before what differs in length.
 const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
-/// What a unit takes on the GPU beside its vertices and triangles, in bytes.
+/// What a unit takes on the GPU in addition to its vertices and triangles, in bytes.
 const GPU_BYTES_OF_UNIT: u64 = 256;
 /// Bytes of a vertex on the GPU, and of its number in a cluster.
 const GPU_BYTES_OF_VERTEX: u64 = 20;
@@ -71,11 +71,11 @@ pub const OF_ALL: u16 = u16::MAX;
 
 /// Bytes of a point on the GPU.
 const GPU_BYTES_OF_POINT: u64 = 12;
-/// What a unit of points takes on the GPU beside them at most: what is left of the last block, and
+/// What a unit of points takes on the GPU besides them at most: what is left of the last block, and
 /// where it stands.
 const GPU_BYTES_OF_POINT_UNIT: u64 = 2048;
 
-/// What is told of one unit.
+/// What is known of one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct UnitRow {
     /// What it is made of.
@@ -117,7 +117,7 @@ impl UnitRow {
             return u64::from(self.samples) * GPU_BYTES_OF_POINT + GPU_BYTES_OF_POINT_UNIT;
         }
         if self.kind == UnitKind::Image {
-            // Beside a root lie the levels that are made from it.
+            // A root is followed by the levels that are made from it.
             return SLOT_BYTES * if self.needs.is_empty() { 2 } else { 1 };
         }
         u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
@@ -215,7 +215,7 @@ impl UnitRow {
     }
 }
 
-/// The clusters that a row tells of, and what is behind them.
+/// The clusters that a row describes, and what is behind them.
 fn read_replaces(bytes: &[u8]) -> Option<(Vec<ClusterRef>, &[u8])> {
     let (count, rest) = bytes.split_first()?;
     let count = usize::from(*count);
@@ -235,7 +235,7 @@ pub fn write_units(rows: &[UnitRow], page_rows: u32, numbers: &UnitNumbers) -> V
 /// Reads the rows of a page.
 ///
 /// # Errors
-/// A wrong checksum, or rows that are none.
+/// A wrong checksum, or invalid rows.
 ///
 /// # Panics
 /// The directory must have such a page.

@@ -1,7 +1,7 @@
-//! Do the units of a scene say what the table tells of them, and fit to each other?
+//! Do the units of a scene match their table, and each other?
 //!
-//! What is asked here is what whoever draws units asks of each as it comes: a pack of which this
-//! finds nothing wrong is drawn whole.
+//! These are the checks that drawing makes of each unit as it arrives: a pack that passes them is
+//! drawn whole.
 
 use super::pack::ScenePack;
 use crate::content::images::shape::{BORDER, PagePlace, TextureShape};
@@ -13,7 +13,7 @@ use crate::pack::unit::UnitId;
 use core::hash::BuildHasher;
 use std::collections::{HashMap, HashSet};
 
-/// Compares units with what is told of them and with those that they need, which come before them.
+/// Compares units with their rows and with the units that they need, which come before them.
 ///
 /// Keeps eight bytes for each vertex of clusters whose refinement has not come.
 #[derive(Debug)]
@@ -54,12 +54,12 @@ impl<'a> SceneCheck<'a> {
     /// Adds a unit after all with lower numbers.
     ///
     /// # Errors
-    /// It shows something else than the table tells of it, or does not fit to what it needs.
+    /// It differs from its row in the table, or does not fit what it needs.
     pub fn add(&mut self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
         let needs = &self.pack.row(unit).needs;
         let misses = needs.iter().any(|it| self.damaged.contains(it));
         let checked = self.check_row(unit, says).and_then(|()| match misses {
-            // What it needs is told of already.
+            // What it needs has been reported already.
             true => Ok(()),
             false => self.fit(unit, says),
         });
@@ -78,7 +78,7 @@ impl<'a> SceneCheck<'a> {
         }
     }
 
-    /// Refuses a unit that shows something else than the table tells of it.
+    /// Refuses a unit that differs from its row in the table.
     fn check_row(&self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
         let row = self.pack.row(unit);
         let found = match says {
@@ -101,7 +101,7 @@ impl<'a> SceneCheck<'a> {
             false => Err(PackError::new(
                 &format!("unit {}, samples and vertices", unit.0),
                 format!("{found:?}"),
-                format!("{told:?}, as the table tells"),
+                format!("{told:?}, as the table says"),
             )),
         }
     }

@@ -23,7 +23,7 @@ use crate::units::Radians;
 enum Counted {
     /// Samples of the eye that see what it changes.
     SeenSamples,
-    /// Visible error that it removes: what pictures of levels tell.
+    /// Visible error that it removes: what pictures of levels show.
     VisibleError,
 }
 
@@ -99,7 +99,7 @@ impl SceneWorth {
         values
     }
 
-    /// What pictures of levels say that each unit is worth, which footprints tell as numbers.
+    /// What pictures of levels say that each unit is worth, which footprints hold as numbers.
     fn rendered(&self, units: usize) -> Vec<f64> {
         let mut values = vec![0.0; units];
         for footprint in self.footprints.iter().flat_map(Footprints::list) {
@@ -190,7 +190,7 @@ pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
 }
 
 /// Visible error that each unit of a scene removes for a viewer, in thresholds times square
-/// degrees: by signatures what [`importance`](crate::perception::importance) tells by pictures of
+/// degrees: by signatures what [`importance`](crate::perception::importance) finds by pictures of
 /// levels. `footprints` are those of every unit, measured where it is what would refine a level.
 #[must_use]
 pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -> Vec<f64> {
@@ -203,7 +203,7 @@ pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -
     worth.values(scene, &sights)
 }
 
-/// How many decades of worth [`shares_of_worth`] tells apart.
+/// How many decades of worth [`shares_of_worth`] distinguishes.
 const DECADES: f64 = 3.0;
 /// Share of what refines something that is worth as much as the most or more: slivers at edges are
 /// measured too roughly to stand for it.
@@ -211,8 +211,8 @@ const MOST: f64 = 0.01;
 
 /// For each unit that refines what is drawn, by its number, what a viewer gains of it in a square
 /// degree: 1 where that is the most of all, or as much as in the best hundredth of what they
-/// refine, down to 0 where it is a thousandth of that or less, by logarithms. -1 of units that
-/// refine nothing of it. `footprints` are those of what is drawn. Takes some microseconds for each
+/// refine, down to 0 where it is a thousandth of that or less, by logarithms. -1 for units that
+/// do not refine it. `footprints` are those of what is drawn. Takes some microseconds for each
 /// unit.
 #[must_use]
 pub fn shares_of_worth(
@@ -379,7 +379,7 @@ mod tests {
             "{of_near} {of_far}"
         );
         assert_eq!(both.iter().filter(|it| **it >= 0.0).count(), 2);
-        // A sliver of which much is gained changes nothing beside it.
+        // A sliver with a large gain changes nothing next to it.
         let sliver = Footprint {
             unit: UnitId(last - 2),
             area: 1,

@@ -2,7 +2,7 @@
 //!
 //! While a pack is prepared its content is shown at several bounds to eyes that look at several
 //! places, and the judge scores what they see. These scores lie in the pack and bring what
-//! signatures foretell to the judge's scale for this content
+//! signatures predict to the judge's scale for this content
 //! (docs/decisions/0028-packs-know-their-score.md).
 
 use crate::content::calibration::Expectation;
@@ -13,7 +13,7 @@ use crate::units::{Ppd, Radians};
 use crate::view::eye_view::EyeView;
 use crate::view::surface::{Projection, Screen, Surface};
 
-/// Zones of eccentricity that the judge tells apart.
+/// Zones of eccentricity that the judge distinguishes.
 pub const ZONES: usize = 3;
 /// Borders between them, in degrees of eccentricity.
 pub const ZONE_BORDERS_DEG: [f64; ZONES - 1] = [5.0, 20.0];
@@ -26,7 +26,7 @@ const LEAST_LOST_JOD: f64 = 0.005;
 
 /// Less than this is lost by chance, in JOD.
 const LEAST_TELLING_JOD: f64 = 0.05;
-/// Scores are told of up to where so many times less is lost than at the best that was found.
+/// The curve goes up to where so many times less is lost than at the best that was found.
 const MOST_BEYOND: f64 = 1.1;
 /// Densities that are nearer to each other are the same.
 const SAME_DENSITY: f64 = 0.02;
@@ -40,7 +40,7 @@ pub fn zone_of(eccentricity: Radians) -> usize {
 
 /// The density that content is looked up at in a view: pixels per degree in the middle of the view;
 /// of flat content those that the view would have where a screen of the usual distance shows it,
-/// as it was judged there. How small a view shows content tells more than how near it is.
+/// as it was judged there. How small a view shows content matters more than how near it is.
 #[must_use]
 pub fn density_of(surface: &Surface, view: &EyeView) -> Ppd {
     let ppd = view.as_seen().least_ppd();
@@ -52,7 +52,7 @@ pub fn density_of(surface: &Surface, view: &EyeView) -> Ppd {
     Ppd(ppd.0 * usual.ppd(middle).0 / surface.ppd(middle).0)
 }
 
-/// What a picture loses in each zone, as signatures foretell it.
+/// What a picture loses in each zone, as signatures predict it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ZoneLosses {
     /// Sums over places of pixels x loss^beta.
@@ -62,7 +62,7 @@ pub struct ZoneLosses {
 }
 
 impl ZoneLosses {
-    /// The quality difference that is foretold of the whole picture.
+    /// The predicted quality difference of the whole picture.
     #[must_use]
     pub fn whole(&self) -> f64 {
         pooled(self.sums.iter().sum(), self.pixels.iter().sum())
@@ -102,7 +102,7 @@ pub struct CalibrationRow {
     pub zone: Option<usize>,
     /// The visible loss that no cell passes; for `acuity` the loss of the whole picture.
     pub bound: f64,
-    /// The quality difference that signatures foretell of this part.
+    /// The quality difference that signatures predict for this part.
     pub loss: f64,
     /// Mean score over gazes and frames, in JOD.
     pub jod_mean: f64,
@@ -136,7 +136,7 @@ impl CalibrationRow {
         )
     }
 
-    /// Whether both tell of the same rule, density and part.
+    /// Whether both are for the same rule, density and part.
     fn is_beside(&self, other: &Self) -> bool {
         self.rule == other.rule && self.ppd == other.ppd && self.zone == other.zone
     }
@@ -308,7 +308,7 @@ impl Point {
 }
 
 impl Point {
-    /// Whether enough is lost to tell what is lost beyond.
+    /// Whether enough is lost to extrapolate what is lost beyond.
     fn tells(&self) -> bool {
         self.lost_jod > libm::log(LEAST_TELLING_JOD)
     }
@@ -330,7 +330,7 @@ impl Curves {
         }
     }
 
-    /// Logarithm of the JOD that a zone loses at a foretold loss; beyond what was found of it, at
+    /// Logarithm of the JOD that a zone loses at a predicted loss; beyond what was found of it, at
     /// least what the whole picture loses there.
     fn lost_at(&self, zone: usize, loss: f64) -> Option<f64> {
         let loss = libm::log(loss.max(f64::MIN_POSITIVE));
@@ -394,7 +394,7 @@ impl Side {
     }
 }
 
-/// From what signatures foretell to the judge's scores, for one content at one density.
+/// From what signatures predict to the judge's scores, for one content at one density.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scale {
     by_loss: Side,

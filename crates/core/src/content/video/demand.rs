@@ -31,7 +31,7 @@ pub struct VideoDemand {
     rules: Vec<Rule>,
     /// Under a policy that spends a budget.
     purchases: Option<Box<Purchases>>,
-    /// Tells what is lost; made when first asked for.
+    /// Computes what is lost; made when first asked for.
     meter: OnceLock<LossMeter>,
     last: Option<Last>,
     /// What is being bought for.
@@ -80,7 +80,7 @@ struct Last {
     frame: u32,
     moment: Moment,
     levels: LevelMap,
-    /// The score that is expected of it; told when first asked for.
+    /// The score to expect for it; computed when first asked for.
     jod: OnceLock<f64>,
 }
 

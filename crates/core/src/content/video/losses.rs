@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// content of up to 700 pixels per degree.
 const MOST_OCTAVES: usize = 10;
 /// Share of the contrast that a step adds in its finest octave that lower ones change by, beyond
-/// those that signatures tell of: what texture leaves behind when it is coded and interpolated.
+/// those that signatures measure: what texture leaves behind when it is coded and interpolated.
 /// Fitted by `foveal evaluate targets`.
 const LEAK: f64 = 0.03;
 /// The judge has no band below about this octave: log2 of 0.18 cycles per degree.
@@ -42,9 +42,9 @@ pub struct Losses {
     sums: Vec<[f64; ZONES]>,
     /// The same over the bound of each place, where zones have their own; else empty.
     bounded: Vec<f64>,
-    /// Pixels of the display that show a cell, by rank; of cells beside the view, that would.
+    /// Pixels of the display that show a cell, by rank; of cells outside the view, that would.
     pixels: Vec<f64>,
-    /// Whether a cell is in view, by rank. One beside it counts nothing in the whole, but is seen
+    /// Whether a cell is in view, by rank. One outside counts nothing in the whole, but is seen
     /// fading into the picture if it is too coarse.
     in_view: Vec<bool>,
     /// All pixels that show a cell in view, in each zone.
@@ -72,7 +72,7 @@ impl Losses {
         !self.in_view[rank]
     }
 
-    /// What a picture loses whose cells are shown at these levels, beside the finest.
+    /// What a picture loses against the finest when its cells are shown at these levels.
     #[must_use]
     pub fn of(&self, shown: &LevelMap) -> ZoneLosses {
         let mut all = ZoneLosses {
@@ -172,7 +172,7 @@ impl LossMeter {
         self.losses_around(grid, content, frame, &Around::only(glance))
     }
 
-    /// The same with what a head that turns brings into view, as far as it tells which levels are
+    /// The same with what a head that turns brings into view, as far as it decides which levels are
     /// within a bound: only what is in view counts in the whole.
     #[must_use]
     pub fn losses_around(
@@ -292,7 +292,7 @@ fn octaves_of(
     })
 }
 
-/// How far beside the view a cell is seen fading into it, or lies in view between its places.
+/// How far outside the view a cell is seen fading into it, or lies in view between its places.
 fn beside(grid: &TileGrid) -> Radians {
     Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
 }

@@ -19,7 +19,7 @@ use crate::perception::glance::Glance;
 use crate::perception::moment::Moment;
 use std::collections::BTreeSet;
 
-/// What a frame of the next groups counts beside one of these: the eye may look elsewhere by then.
+/// Weight of a frame of the next groups, where one of these counts 1: the eye may move by then.
 const AHEAD: f64 = 0.7;
 
 /// What is bought of a video under a policy that spends a budget, and what it is worth.
@@ -28,7 +28,7 @@ pub(super) struct Purchases {
     grid: TileGrid,
     config: PolicyConfig,
     worth: Worth,
-    /// Where buying stops at a score: tells it.
+    /// Measures the score, where buying stops at one.
     meter: Option<LossMeter>,
     /// All tiles of the left eye but those of the coarsest level, coarsest first; each is bought
     /// together with the same tile of the right eye. Each is two steps: now, and in the groups that

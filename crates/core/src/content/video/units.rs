@@ -1,4 +1,4 @@
-//! What do choices know of prepared video, beside how it is cut?
+//! What do choices know of prepared video, besides how it is cut?
 
 use crate::content::video::calibration::Scale;
 use crate::content::video::grid::places::SharedPlaces;
@@ -14,13 +14,13 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
     fn unit(&self, tile: Tile, frame: u32) -> UnitId;
     /// The frame at which the next group of the finest level begins; `None` in the last.
     fn next_group(&self, frame: u32) -> Option<u32>;
-    /// Bytes of a unit; as many as can be told where they are not known yet.
+    /// Bytes of a unit; the largest number where they are not known yet.
     fn bytes(&self, unit: UnitId) -> u32;
     /// Whether it is known what units add.
     fn has_signatures(&self) -> bool;
     /// What a unit adds to the next coarser level; `None` for the coarsest.
     fn signature(&self, unit: UnitId) -> Option<Signature>;
-    /// Whether signatures tell of the noise of coding, which a view that shows content smaller than
+    /// Whether signatures include the noise of coding, which a view that shows content smaller than
     /// it is does not average away.
     fn tells_of_noise(&self) -> bool {
         false
@@ -32,7 +32,7 @@ pub trait VideoUnits: core::fmt::Debug + Send + Sync {
         let _ = grid;
         None
     }
-    /// From what signatures foretell of it to the judge's scores, in this view.
+    /// From what signatures predict for it to the judge's scores, in this view.
     fn scale(&self, view: Option<&EyeView>) -> Scale {
         let _ = view;
         Scale::usual()

@@ -148,7 +148,7 @@ impl Video {
         lost.tables.insert(name.to_owned());
     }
 
-    /// A page of the index cannot be had: nor can the units that it tells of.
+    /// A page of the index cannot be had: nor can the units that it covers.
     pub fn fail_page(&self, page: u32) {
         let mut lost = self.lost.write().unwrap_or_else(PoisonError::into_inner);
         lost.pages.insert(page);
@@ -164,7 +164,7 @@ impl Video {
         self.pack.index().has_page(page) || self.has_lost(|lost| lost.pages.contains(&page))
     }
 
-    /// The index pages that tell of a level in the group of a frame.
+    /// The index pages that cover a level in the group of a frame.
     #[must_use]
     pub fn pages_of(&self, level: u8, frame: u32) -> Range<u32> {
         let (pack, grid) = (&self.pack, &self.grid);

@@ -22,6 +22,6 @@ pub struct SgazeMotion {
     pub yaw_acceleration_deg_s2: f64,
     /// Standard deviation of the velocity over the last 10 s, in degrees per second.
     pub velocity_deviation_deg_s: [f64; 2],
-    /// The most salient place of the view in degrees; `None` where nobody looked for it.
+    /// The most salient place of the view in degrees; `None` where it was not searched for.
     pub salient_deg: Option<[f64; 2]>,
 }

@@ -46,8 +46,8 @@ impl MotionFromPoses {
     /// roll, the poles and the seam of yaw make no difference.
     ///
     /// `None` until a second pose, and for a pose that is not finite, not newer than the last or
-    /// less than 0.5 ms after it. Acceleration is 0 until its window is full. A silence of 100 ms
-    /// begins anew.
+    /// less than 0.5 ms after it. Acceleration is 0 until its window is full. After a silence of
+    /// 100 ms it starts over.
     pub fn update(&mut self, time: Seconds, pose: &HeadPose) -> Option<HeadMotion> {
         let axes = pose.axes();
         if !(time.0.is_finite() && axes.right.is_finite() && axes.down.is_finite()) {

@@ -59,7 +59,7 @@ pub fn region(axis: usize, velocity_deg_s: f64) -> Region {
 }
 
 /// Gaze along an axis, in degrees, while the head moves intentionally: Hu et al. 2019;
-/// Lu et al. 2020, Eq. 1 (yaw) and 2 (pitch). A place that nobody looked for counts as the centre.
+/// Lu et al. 2020, Eq. 1 (yaw) and 2 (pitch). Without a salient place, the centre counts.
 #[must_use]
 pub fn intentional_deg(axis: usize, head: &SgazeMotion) -> f64 {
     let [slope, by_deviation] = SLOPE[axis];

@@ -1,11 +1,11 @@
 //! What is a source's time by our clock?
 //!
-//! Nobody can tell a clock that is behind from a message that was slow; but delays have a floor
+//! A clock that is behind looks the same as a message that was slow; but delays have a floor
 //! that is reached again and again. So the smallest difference between arrival and source time,
 //! over the last half minute to minute, counts as no delay at all, and what a sample took beyond
 //! it is its delay.
 //!
-//! A clock that leaps ahead again and again, or does not move, tells nothing. Arrivals then take
+//! A clock that leaps ahead again and again, or does not move, is of no use. Arrivals then take
 //! the place of its times, until it has gone as ours does for half a minute.
 
 use crate::units::Seconds;
@@ -14,7 +14,7 @@ use crate::units::Seconds;
 /// clocks that drift apart by 100 parts per million to stay within some milliseconds.
 const WINDOW_S: f64 = 30.0;
 
-/// A source whose time falls back by more than this, in seconds, has begun anew; by less, a
+/// A source whose time falls back by more than this, in seconds, has restarted; by less, a
 /// message was overtaken.
 const BEGUN_ANEW_S: f64 = 1.0;
 
@@ -29,7 +29,7 @@ const LEAST_LEAP_S: f64 = 0.25;
 /// that does not move.
 const MOST_LATE: u32 = 8;
 
-/// Least step of time between two samples of a stream where a source begins anew, in seconds.
+/// Least step of time between two samples of a stream where a source restarts, in seconds.
 const LEAST_STEP_S: f64 = 1e-6;
 
 /// When a sample was made and when it came, in seconds since the first sample was made.
@@ -99,7 +99,7 @@ impl SourceClock {
         })
     }
 
-    /// How often the source's clock began anew, or leapt.
+    /// How often the source's clock restarted or leapt.
     #[must_use]
     pub fn anew(&self) -> u64 {
         self.anew

@@ -86,8 +86,8 @@ impl EyeMessages {
     }
 }
 
-/// The direction of one of VRChat's forms: the outer `None` where it is none of them, the inner one
-/// where its values are no direction.
+/// The direction of one of VRChat's forms: the outer `None` where it has another form, the inner
+/// one where its values are no direction.
 fn direction(form: &str, values: &[f64]) -> Option<Option<DVec3>> {
     Some(match (form, values) {
         ("CenterPitchYaw", [pitch, yaw]) => turned(*pitch, *yaw),
@@ -133,7 +133,7 @@ fn between([left, right]: [DVec3; 2]) -> Option<DVec3> {
     (left + right).try_normalize()
 }
 
-/// Which eyes (left, right) and which axis (0 to the right, 1 up) an avatar parameter tells.
+/// Which eyes (left, right) and which axis (0 to the right, 1 up) an avatar parameter gives.
 fn parameter(address: &str) -> Option<([bool; 2], usize)> {
     let name = address.strip_prefix("/avatar/parameters/")?;
     let name = name.strip_prefix("FT/").unwrap_or(name);

@@ -85,7 +85,7 @@ impl GazeStream {
         self.clock.start()
     }
 
-    /// How often the sender's clock began anew, or leapt.
+    /// How often the sender's clock restarted or leapt.
     #[must_use]
     pub fn anew(&self) -> u64 {
         self.clock.anew()

@@ -1,4 +1,4 @@
-//! Which trace does the table of an eye tracker hold, whose columns somebody names?
+//! Which trace does the table of an eye tracker hold, given the names of its columns?
 //!
 //! Cells are separated by tabs, semicolons or commas; decimals may have a comma where cells have
 //! none between them; lines before the header say nothing. Time counts from the first row.
@@ -13,7 +13,7 @@ use thiserror::Error;
 const HEADER_LINES: usize = 200;
 /// What may stand between cells, tried in this order.
 const SEPARATORS: [char; 3] = ['\t', ';', ','];
-/// Farthest that a gaze may be beside the screen, in screens: farther away the eye is lost.
+/// Farthest that a gaze may be off the screen, in screens: farther away the eye is lost.
 const MOST_SCREENS: f64 = 3.0;
 /// Longest piece of a file that a message repeats, in characters.
 const SHOWN: usize = 40;
@@ -61,7 +61,7 @@ pub enum TrackerError {
         /// What was looked for.
         columns: [String; 3],
     },
-    /// A time that is none.
+    /// An invalid time.
     #[error("line {line}, column {column}: found \"{found}\", expected a time")]
     Time {
         /// Line in the file, from 1.
@@ -218,7 +218,7 @@ impl TrackerReader {
     }
 
     /// Yaw and pitch of a place on the screen, in degrees; `None` of a lost eye, which many
-    /// trackers say to be at 0, 0, and of what lies far beside the screen.
+    /// trackers say to be at 0, 0, and of what lies far off the screen.
     fn gaze(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         let screen = &self.form.screen;
         let is_near = |k: usize| (at[k] / screen.size_px[k] - 0.5).abs() <= MOST_SCREENS;

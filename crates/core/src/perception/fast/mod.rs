@@ -113,7 +113,7 @@ impl FastImportance {
         }
     }
 
-    /// Looks somewhere, and weighs as told ([`Parameters::weights`]).
+    /// Looks somewhere, and weighs as given ([`Parameters::weights`]).
     ///
     /// # Panics
     /// When the view is not of the size that this was made for.

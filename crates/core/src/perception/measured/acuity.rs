@@ -1,4 +1,4 @@
-//! How fine a detail does an eye resolve whose smallest angles somebody measured?
+//! How fine a detail does an eye resolve whose smallest angles were measured?
 
 use super::rows::{Column, MOST_ROWS, MeasuredError, rows};
 use crate::units::{Cpd, Radians};
@@ -26,13 +26,13 @@ const NAMES: &str = "ecc_deg and mar_deg or mar_arcmin";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>")]
 pub struct MeasuredAcuity {
-    /// Eccentricity and the smallest pixel that is told apart there, both in degrees.
+    /// Eccentricity and the smallest pixel that can be resolved there, both in degrees.
     rows: Arc<[[f64; 2]]>,
 }
 
 impl MeasuredAcuity {
-    /// Reads CSV with `ecc_deg` and `mar_deg` or `mar_arcmin`, the smallest pixel that is told
-    /// apart: half a cycle.
+    /// Reads CSV with `ecc_deg` and `mar_deg` or `mar_arcmin`, the smallest pixel that can
+    /// be resolved: half a cycle.
     ///
     /// # Errors
     /// It lacks a column, has a cell out of range, or rows that are not in the order of

@@ -1,4 +1,4 @@
-//! What an eye resolves and sees, as somebody measured it.
+//! What an eye resolves and sees, as measured.
 
 pub mod acuity;
 pub mod rows;

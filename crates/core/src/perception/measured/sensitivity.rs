@@ -1,4 +1,4 @@
-//! How little contrast does an eye need whose sensitivity somebody measured?
+//! How little contrast does an eye need whose sensitivity was measured?
 
 use super::rows::{Column, MOST_ROWS, MeasuredError, rows};
 use crate::units::{Cpd, Radians};

@@ -1,10 +1,10 @@
-//! How much contrast does a refinement add, told in twelve bytes?
+//! How much contrast does a refinement add, in twelve bytes?
 //!
 //! For every unit that refines, what its pictures show that the next coarser level does not, as
 //! both are decoded. With it a step can be valued for any gaze without decoding anything.
 //! `docs/formats/pack.md` is normative.
 
-/// Octaves of spatial frequency that a signature tells of: the one that the step adds, and those
+/// Octaves of spatial frequency that a signature measures: the one that the step adds, and those
 /// below it that it changes.
 pub const SIGNATURE_BANDS: usize = 3;
 
@@ -22,7 +22,7 @@ pub struct BandContrast {
     pub norm: f64,
 }
 
-/// Norm over mean of differences where version 1 does not tell: that of differences whose sizes
+/// Norm over mean of differences where version 1 does not say: that of differences whose sizes
 /// fall off exponentially, 24^(1/4).
 const USUAL_NORM: f64 = 2.213;
 
@@ -33,7 +33,7 @@ pub struct Signature {
     pub bands: [BandContrast; SIGNATURE_BANDS],
 }
 
-/// Largest contrast that is told; more is told as this.
+/// Largest contrast that is stored; more is stored as this.
 const MOST_CONTRAST: f64 = 4.0;
 /// Steps of the logarithmic code for each doubling of contrast: 4.4 % a step.
 const STEPS_PER_OCTAVE: f64 = 16.0;
@@ -44,9 +44,9 @@ impl Signature {
     /// Bytes of a signature of version 1.
     pub const BYTES_V1: usize = 3 * SIGNATURE_BANDS;
 
-    /// Of each octave what that of the two tells whose norm is larger: of several pictures of a
-    /// unit, where each octave gains most. Of what comes late no less is told than if it had been
-    /// there from the first picture on.
+    /// For each octave, the one of the two whose norm is larger: of several pictures of a unit,
+    /// where each octave gains most. What appears late counts as much as if it had been there
+    /// from the first picture on.
     #[must_use]
     pub fn strongest(self, other: Self) -> Self {
         let band = |index: usize| {
@@ -70,7 +70,7 @@ impl Signature {
         bytes
     }
 
-    /// The signature that these bytes tell. Every combination of bytes is one.
+    /// The signature that these bytes encode. Every combination of bytes is one.
     #[must_use]
     pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
         let band = |b: usize| {
@@ -88,7 +88,7 @@ impl Signature {
         }
     }
 
-    /// The signature that these bytes of version 1 tell; norms are guessed from means.
+    /// The signature that these bytes of version 1 encode; norms are guessed from means.
     #[must_use]
     pub fn from_bytes_v1(bytes: [u8; Self::BYTES_V1]) -> Self {
         let band = |b: usize| {
@@ -132,7 +132,7 @@ mod tests {
         #[test]
         fn a_contrast_is_told_to_within_a_few_percent(contrast in 1e-4f64..4.0) {
             let told = contrast_of_code(code_of_contrast(contrast));
-            prop_assert!((told / contrast - 1.0).abs() < 0.023, "{contrast} told as {told}");
+            prop_assert!((told / contrast - 1.0).abs() < 0.023, "{contrast} stored as {told}");
         }
 
         #[test]

@@ -1,4 +1,4 @@
-//! What in a tile might draw the eye, told in four bytes?
+//! What in a tile might draw the eye, in four bytes?
 //!
 //! The measures that saliency is made of. `docs/formats/pack.md` is normative.
 
@@ -16,7 +16,7 @@ pub struct Cues {
     pub change: f64,
 }
 
-/// Largest value of each measure that is told: deviation, edges, colour, change.
+/// Largest value of each measure that is stored: deviation, edges, colour, change.
 const MOST: [f64; 4] = [128.0, 128.0, 128.0, 255.0];
 
 impl Cues {
@@ -30,7 +30,7 @@ impl Cues {
         core::array::from_fn(|k| ((told[k] / MOST[k]).clamp(0.0, 1.0).sqrt() * 255.0).round() as u8)
     }
 
-    /// The cues that these bytes tell. Every combination of bytes is some.
+    /// The cues that these bytes encode. Every combination of bytes is some.
     #[must_use]
     pub fn from_bytes(bytes: [u8; Self::BYTES]) -> Self {
         let [deviation, edges, colour, change] = core::array::from_fn(|k| {

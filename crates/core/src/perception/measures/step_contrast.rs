@@ -71,7 +71,7 @@ impl StepContrast {
         }
     }
 
-    /// The means of all that was added. Octaves that no picture has are told as none.
+    /// The means of all that was added. Octaves that no picture has count as no contrast.
     #[must_use]
     pub fn signature(&self) -> Signature {
         let band = |index: usize| self.bands[index].means(band_gain(index));

@@ -2,7 +2,7 @@
 //!
 //! Void and cluster: Ulichney 1993, *The void-and-cluster method for dither array generation*. A
 //! point raises an energy round itself; the tightest cluster is where it is highest on a point, the
-//! largest void where it is lowest beside one. Below a tenth of the places Ulichney's Gaussian no
+//! largest void where it is lowest off one. Below a tenth of the places Ulichney's Gaussian no
 //! longer reaches from point to point, so it widens here with their spacing.
 
 use crate::view::random::Random;

@@ -11,7 +11,7 @@ use crate::perception::samples::blue_noise::{SIDE, blue_noise_ranks};
 use crate::perception::samples::nearest_sample::{NEIGHBOURS, nearest_samples, neighbours_of};
 use crate::units::Radians;
 
-/// Steps of a pixel in which a radius is told apart.
+/// Steps of a pixel in which a radius is distinguished.
 const STEPS: f64 = 4.0;
 /// Seed of the blue-noise order of masks.
 const SEED: u64 = 2016;
@@ -47,7 +47,7 @@ pub struct SampleMask {
 }
 
 impl MaskShape {
-    /// Samples a pixel that the eye can tell apart, by radius in steps of a quarter pixel: one a
+    /// Samples a pixel that the eye can resolve, by radius in steps of a quarter pixel: one a
     /// minimum angle of resolution on both axes, so more than 1 where pixels are coarser than that.
     fn density(&self) -> Vec<f64> {
         let corner = f64::from(self.side) * core::f64::consts::FRAC_1_SQRT_2 + 2.0;

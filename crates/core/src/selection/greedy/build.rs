@@ -69,7 +69,7 @@ pub struct CatalogBuilder {
     chain: Vec<Chain>,
     count: Vec<u8>,
     steps: Vec<Step>,
-    /// What needs what, in the order of being told.
+    /// What needs what, in the order given.
     needs: Vec<(Rung, Rung)>,
 }
 
@@ -107,7 +107,7 @@ impl CatalogBuilder {
     /// # Errors
     /// A prerequisite that does not exist, more of them than 16, or a cycle.
     pub fn build(mut self, rule: Rule) -> Result<Catalog, CatalogError> {
-        // Stable: the order in which a step's prerequisites were told stays.
+        // Stable: the order in which a step's prerequisites were given stays.
         self.needs.sort_by_key(|(stage, _)| *stage);
         self.check_stages()?;
         let units = self.chain.len();
@@ -201,7 +201,7 @@ enum Seen {
     Done,
 }
 
-/// Depth first along what steps need; whoever meets a step that is on the way has found a cycle.
+/// Depth first along what steps need: meeting a step that is on the way means a cycle.
 fn check_cycles(catalog: &Catalog) -> Result<(), CatalogError> {
     if catalog.needed.is_empty() {
         return Ok(());

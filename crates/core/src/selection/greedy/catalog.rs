@@ -74,7 +74,7 @@ impl Catalog {
     }
 
     /// Says what a unit's steps are worth now, finest first: `values[l]` is the gain of level `l`
-    /// over the next coarser one. Only units whose values changed are looked at anew.
+    /// over the next coarser one. Only units whose values changed are looked at again.
     ///
     /// # Panics
     /// When there is no such unit, or it has another number of steps.

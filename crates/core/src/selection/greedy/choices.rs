@@ -139,7 +139,7 @@ impl<'a> Choices<'a> {
         }
     }
 
-    /// Takes an offer, or prices it anew, or meets a misfit.
+    /// Takes an offer, or prices it again, or meets a misfit.
     fn consider(&mut self, offer: &Offer) {
         if !offer.is_closure && self.progress.is_blocked(offer.stage) {
             self.offer_with_prerequisites(offer.stage.unit);

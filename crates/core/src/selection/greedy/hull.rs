@@ -47,7 +47,7 @@ impl Curve<'_> {
     }
 
     /// The greatest slope from a level, which is that of [`Self::next`]; 0 where no step has a
-    /// positive value. No branch: which step is best cannot be foretold.
+    /// positive value. No branch: which step is best cannot be predicted.
     pub(super) fn steepest(&self, from: u8, reach: Reach) -> f64 {
         self.segments(from, reach).fold(0.0, |greatest, segment| {
             let slope = density(segment.value, segment.bytes);

@@ -153,7 +153,7 @@ fn forty_eight_panels_around_a_viewer_are_all_served() {
         .locate(DVec3::Y)
         .map(|(face, place)| grid.cell_at(face, place));
     let above = above.map(|cell| all.level(&grid, cell));
-    assert_eq!(above, Some(grid.coarsest()), "nobody looks up");
+    assert_eq!(above, Some(grid.coarsest()), "no viewer looks up");
 }
 
 #[test]

@@ -47,7 +47,7 @@ impl Session {
         self.run.set_bytes_per_s(bytes_per_s);
     }
 
-    /// The link brought so many bytes beside what was bought, as pages that tell of it: so much
+    /// The link brought so many bytes besides what was bought, as index pages of it: so much
     /// less is bought from now on.
     pub fn charge(&mut self, bytes: u64) {
         self.run.charge(bytes);
@@ -59,13 +59,13 @@ impl Session {
     }
 
     /// Every moment is seen through these panels, turned with its head: as
-    /// [`MountedPanel::views`] tells. To be said before anything is chosen.
+    /// [`MountedPanel::views`] gives them. To be said before anything is chosen.
     pub fn show_on(&mut self, panels: Vec<MountedPanel>) {
         self.run.show_on(panels);
     }
 
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
-    /// once all of it is shown; `None` before any choice and where nothing tells.
+    /// once all of it is shown; `None` before any choice and where it is unknown.
     #[must_use]
     pub fn expected_jod(&self) -> Option<f64> {
         self.run.expected_jod()
@@ -92,12 +92,12 @@ impl Session {
         self.run.see(asset, footprints);
     }
 
-    /// Whether [`Self::see`] is about to be told more.
+    /// Whether [`Self::see`] is about to receive more.
     pub fn expect_footprints(&mut self, is_expected: bool) {
         self.expects_footprints = is_expected;
     }
 
-    /// Whether what is chosen depends on what [`Self::see`] is told.
+    /// Whether what is chosen depends on what [`Self::see`] receives.
     #[must_use]
     pub fn needs_footprints(&self) -> bool {
         self.run.needs_footprints()

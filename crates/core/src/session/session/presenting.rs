@@ -86,7 +86,7 @@ impl Session {
         self.evict_but(&coming.unwrap_or_default());
     }
 
-    /// Evicts what is not shown where a piece would not fit beside it.
+    /// Evicts what is not shown where a piece would not fit next to it.
     pub(super) fn make_room(&mut self, piece: Piece) {
         let has_room = |session: &Self| {
             session.resident_bytes + session.unit(piece).gpu_bytes <= session.bounds.gpu

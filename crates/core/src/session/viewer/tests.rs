@@ -195,7 +195,7 @@ fn at_the_end_it_stays_where_that_is_asked_for_and_else_it_goes_round() {
         };
         assert!(!stay(&mut trial, ROUND - 0.01));
         assert_eq!(stay(&mut trial, ROUND + 0.01), stays);
-        assert!(!stay(&mut trial, ROUND + 0.02), "it is told once");
+        assert!(!stay(&mut trial, ROUND + 0.02), "it is reported once");
         assert_eq!(trial.viewer.is_playing(), !stays);
         let last = ROUND - PERIOD;
         let later = if stays { last } else { ROUND + 0.5 };

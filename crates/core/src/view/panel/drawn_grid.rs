@@ -93,7 +93,7 @@ impl<'a> Bend<'a> {
         (!panel.distortion.is_none() || bend.is_near_and_curved()).then_some(bend)
     }
 
-    /// Seen from beside its middle, a curved source is not where a straight ray goes.
+    /// Seen from off its middle, a curved source is not where a straight ray goes.
     fn is_near_and_curved(&self) -> bool {
         self.placement.projection != SourceProjection::Plane && self.placement.eye != DVec3::ZERO
     }

@@ -6,7 +6,7 @@
 
 use crate::units::Radians;
 
-/// Diameter of a pupil unless told otherwise, in millimetres: Le Grand 1957,
+/// Default diameter of a pupil, in millimetres: Le Grand 1957,
 /// `5 - 3 tanh(0.4 lg L)`, at 24 cd/m², a middling picture on a display of 100.
 pub const PUPIL_MM: f64 = 3.5;
 

@@ -12,7 +12,7 @@ use super::share::seen_share;
 use crate::view::axes::Axes;
 use glam::DVec3;
 
-/// Cones of panels up to this half angle (65°) get a plane unless told otherwise, in radians.
+/// Cones of panels up to this half angle (65°) get a plane by default, in radians.
 pub const WIDEST_PLANE: f64 = 1.134_464_013_796_314_4;
 /// Inner pixels along a side while searching, and to judge by at last.
 const SEARCHED: u32 = 9;

@@ -5,7 +5,7 @@
 
 use super::pixel_map::singular_values;
 
-/// Most probes that Feline takes unless told otherwise.
+/// Default of the most probes that Feline takes.
 pub const MOST_PROBES: u32 = 16;
 /// How fast weights fall along the major axis: McCormack et al. 1999.
 const ALPHA: f64 = 2.0;

@@ -23,7 +23,7 @@ pub enum SourceProjection {
 pub struct Placement {
     /// How it is drawn.
     pub projection: SourceProjection,
-    /// Where its middle and its right lie; its window may be beside the middle.
+    /// Where its middle and its right lie; its window may be off the middle.
     pub axes: Axes,
     /// How far it reaches from the axis: left, right, up, down, outward; in tangents, radians of
     /// azimuth or elevation, as its projection has them.
@@ -71,7 +71,7 @@ impl Placement {
     }
 
     /// The place in a source of `size` pixels, of a ray of any length from the eye; `None` behind a
-    /// plane, or where the projection has no place for it. It may lie beside the source.
+    /// plane, or where the projection has no place for it. It may lie outside the source.
     ///
     /// ```
     /// use foveal_core::view::axes::Axes;

@@ -39,7 +39,7 @@ impl ResidualGrid {
         }
     }
 
-    /// The ideal pixel of a place; beyond the outer places as in the cell beside. `None` where a
+    /// The ideal pixel of a place; beyond the outer places as in the nearest cell. `None` where a
     /// place round it is unlit.
     #[must_use]
     pub fn ideal(&self, place: [f64; 2]) -> Option<Bent> {

@@ -41,7 +41,7 @@ pub struct Panel {
     pub distortion: Distortion,
     /// Radians from its edge over which it fades in, where others overlap it.
     pub blend: f64,
-    /// The share of its light that each pixel keeps; all where it is not told.
+    /// The share of its light that each pixel keeps; all where it is not given.
     pub alpha: Option<Arc<AlphaMap>>,
     /// What linear red, green and blue are multiplied by.
     pub gain: [f64; 3],

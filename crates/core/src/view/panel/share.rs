@@ -29,7 +29,7 @@ pub fn seen_share(panels: &[&Panel], placement: &Placement, size: [u32; 2]) -> f
 /// The part of a source that panels see, from edge to edge: left, right, top and bottom, as shares
 /// of it from its upper left.
 ///
-/// Of a picture that keeps its aspect some may lie beside all panels.
+/// Some of a picture that keeps its aspect may lie outside all panels.
 #[must_use]
 pub fn seen_part(panels: &[&Panel], placement: &Placement) -> [f64; 4] {
     let (mut low, mut high) = ([1.0_f64; 2], [0.0_f64; 2]);

@@ -1,7 +1,7 @@
 //! What do measures say that share nothing with the model of the eye that detail is chosen by?
 //!
-//! A score that is made of the same sensitivity as the selection could flatter it; these stand
-//! beside it. Those that know no gaze are for comparison with the literature.
+//! A score that is made of the same sensitivity as the selection could flatter it; these
+//! accompany it. Those that know no gaze are for comparison with the literature.
 
 mod errors;
 mod sphere;
@@ -113,7 +113,7 @@ impl CompanionJudge {
         })
     }
 
-    /// Takes in a frame, and tells its value: infinite decibels for the same picture, no number
+    /// Takes in a frame, and returns its value: infinite decibels for the same picture, no number
     /// where it has no fovea of 11 pixels.
     ///
     /// # Errors

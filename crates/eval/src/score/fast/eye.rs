@@ -144,7 +144,7 @@ impl BandEye {
         }
     }
 
-    /// Degrees from the gaze of every pixel of a row; 0 where nobody looks at a place.
+    /// Degrees from the gaze of every pixel of a row; 0 where there is no gaze.
     #[inline(always)]
     pub(in crate::score) fn eccentricities(&self, y: usize, looking: &Looking, out: &mut [f32]) {
         let Looking { place, length } = *looking;

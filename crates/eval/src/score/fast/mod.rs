@@ -59,7 +59,7 @@ struct Work {
     rings: [Ring; 2],
     /// By channel: of the reference and the test.
     channels: Vec<[Levels; 2]>,
-    /// Sum of the heat maps of all frames; empty where nobody wants it.
+    /// Sum of the heat maps of all frames; empty where it is not wanted.
     heat: Vec<f32>,
     instructions: Instructions,
 }

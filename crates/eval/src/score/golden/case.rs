@@ -58,7 +58,7 @@ pub enum TestPicture {
 /// A place in pixels.
 #[derive(Clone, Copy, Debug)]
 pub enum GoldenGaze {
-    /// Nobody looks at a place.
+    /// There is no gaze.
     Everywhere,
     /// One place.
     At([f64; 2]),

@@ -2,11 +2,11 @@
 
 use foveal_core::units::counted;
 
-/// Frames that stand for longer than this, and than [`MANY`] others, are told; seconds.
+/// Frames that stand for longer than this, and than [`MANY`] others, are reported; seconds.
 const LONG_S: f64 = 1.0;
 /// In frames of the nominal rate.
 const MANY: f64 = 10.0;
-/// Share of the frames and of the time that a container tells that may be missing, as it may have
+/// Share of the frames and of the time that a container gives that may be missing, as it may have
 /// been estimated, and as many frames.
 const MOST_MISSING: f64 = 0.05;
 const MOST_FRAMES_MISSING: f64 = 2.0;
@@ -25,7 +25,7 @@ pub(in crate::prepare) struct TimeNotes {
 }
 
 /// What a person should know of the times of frames in nanoseconds, nominally `fps` a second,
-/// `repaired` of which came from stamps that did not rise; the container told of `of` frames.
+/// `repaired` of which came from stamps that did not rise; the container announced `of` frames.
 pub(in crate::prepare) fn time_notes(
     times: &[i64],
     fps: f64,

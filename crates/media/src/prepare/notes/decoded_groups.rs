@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 /// The luma of those frames of a group that count.
 pub(crate) type ShownGroup = Vec<Vec<u8>>;
 
-/// What tiles show, as long as levels beside theirs need it.
+/// What tiles show, as long as levels next to theirs need it.
 pub(crate) struct DecodedGroups {
     grid: TileGrid,
     meter: StepMeter,
@@ -57,7 +57,7 @@ impl DecodedGroups {
             let place = frame % self.finest_group;
             frame == last || place.is_multiple_of(2) || place + 1 == self.finest_group
         };
-        // What can be coded here and not decoded is taken for lossless.
+        // What can be coded here and not decoded counts as lossless.
         let decoder = match self.codec {
             Codec::Png => None,
             codec => GroupDecoder::new(codec, size).ok(),

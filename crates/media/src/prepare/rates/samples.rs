@@ -100,7 +100,7 @@ fn sampled_groups(plan: &PreparationPlan, pixels: u64) -> (Vec<u32>, u32) {
     let length = group.min(most).min(readable);
     let count = (most / length).clamp(1, GROUPS);
     let groups = readable.div_ceil(group).max(1);
-    // The last one may be short: what is there of it counts.
+    // The last one may be short: the part that exists counts.
     let mut starts: Vec<u32> = match count.min(groups) {
         1 => vec![(groups - 1) / 2],
         count => (0..count).map(|k| k * (groups - 1) / (count - 1)).collect(),

@@ -77,7 +77,7 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
     let whole = begun - u32::from(begun > 0 && !has_data);
     if whole < told {
         return Some(format!(
-            "it tells of {} and holds {whole}",
+            "it announces {} and holds {whole}",
             counted(u64::from(told), "picture")
         ));
     }
@@ -142,7 +142,7 @@ mod tests {
         [&length[..], name, inside, &[0; 4]].concat()
     }
 
-    /// An animated PNG of three pictures that tells of so many.
+    /// An animated PNG of three pictures that announces so many.
     fn apng(told: u32) -> Vec<u8> {
         let mut bytes = [&PNG[..], &chunk(b"IHDR", &[0; 13])].concat();
         bytes.extend(chunk(b"acTL", &[told.to_be_bytes(), [0; 4]].concat()));

@@ -38,7 +38,7 @@ const PIECE: usize = 1 << 18;
 pub struct Clusters {
     /// All that were found.
     pub all: u64,
-    /// Those that are not as they say that they are, and places between them that are none.
+    /// Those that are not as they say that they are, and places between them that belong to none.
     pub damaged: u64,
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn clusters_of(path: &Path) -> Clusters {
 }
 
 /// The clusters of a file, of which all is read; none in a file that is no Matroska. An end before
-/// the one that it tells is no damage.
+/// the one that it gives is no damage.
 #[must_use]
 pub fn clusters(file: impl Read + Seek) -> Clusters {
     let mut walk = Walk {
@@ -59,7 +59,7 @@ pub fn clusters(file: impl Read + Seek) -> Clusters {
         end: 0,
         found: Clusters::default(),
     };
-    // What cannot be read any more is told by who reads the pictures.
+    // What cannot be read any more is reported by the reader of the pictures.
     let _ = walk.file();
     walk.found
 }
@@ -133,7 +133,7 @@ impl<F: Read + Seek> Walk<F> {
         self.search()
     }
 
-    /// Whether at `end`, to which it goes, the file ends or an element begins that stands beside
+    /// Whether at `end`, to which it goes, the file ends or an element begins that follows
     /// clusters.
     fn begins_another(&mut self, end: u64) -> std::io::Result<bool> {
         self.go(end)?;
@@ -142,7 +142,7 @@ impl<F: Read + Seek> Walk<F> {
         Ok(next.is_none_or(|it| is_beside(it.id)))
     }
 
-    /// Whether the contents of a cluster are what its checksum tells, or elements without gaps.
+    /// Whether the contents of a cluster match its checksum, or are elements without gaps.
     fn is_sound(&mut self, inside: u64, end: u64) -> std::io::Result<bool> {
         self.go(inside)?;
         let mut is_first = true;
@@ -168,7 +168,7 @@ impl<F: Read + Seek> Walk<F> {
         Ok(self.at == end)
     }
 
-    /// The same of a cluster that does not say where it ends, of which only the structure tells.
+    /// The same of a cluster that does not say where it ends, of which only the structure shows it.
     fn is_sound_up_to_another(&mut self) -> std::io::Result<bool> {
         while let Some(head) = self.head()? {
             if is_beside(head.id) && !INSIDE.contains(&head.id) {

@@ -122,7 +122,7 @@ impl DamageLog {
         context.opaque = self.place();
     }
 
-    /// Whether damage was told of since this was asked.
+    /// Whether damage was reported since this was asked.
     pub(crate) fn has_heard(&mut self) -> bool {
         let said = self.listener.said.load(Ordering::Acquire);
         std::mem::replace(&mut self.heard, said) != said

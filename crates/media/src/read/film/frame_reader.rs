@@ -27,12 +27,12 @@ const MOST_THREADS: usize = 16;
 /// take it as an order to refuse harmless oddities.
 const TOLD_TO_EXPLODE: [Id; 4] = [Id::H264, Id::HEVC, Id::MJPEG, Id::PNG];
 
-/// What a transport stream tells of a packet whose counter jumps.
+/// What is reported of a transport stream's packet whose counter jumps.
 const LOST: &str = "its data are incomplete, or two streams were joined here, which \
                     `ffmpeg -i FILE OUT.mkv` mends";
 
-/// What is told of a container of which a part was passed over, and of a packet with a hole.
-const PASSED_OVER: &str = "a part of it is none of its format";
+/// What is reported of a container with a part passed over, and of a packet with a hole.
+const PASSED_OVER: &str = "a part of it does not belong to its format";
 const HOLE: &str = "a part of a picture is gone, with zeros in its place";
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
@@ -63,14 +63,14 @@ pub(crate) struct FrameReader {
     input: Input,
     stream: usize,
     decoder: decoder::Video,
-    /// Told by the decoder and who reads the file, which are gone before them.
+    /// Written by the decoder and the reader of the file, which are gone before them.
     log: DamageLog,
     file_log: DamageLog,
     pieces: Pieces,
     codec: Id,
-    /// Why the packets ended before the file did; told once the good frames are out.
+    /// Why the packets ended before the file did; reported once the good frames are out.
     failure: Option<Break>,
-    /// Errors since the decoder was told that there are no more packets, once it was.
+    /// Errors since the decoder learnt that there are no more packets, once it did.
     errors_at_end: Option<u32>,
     /// Why it is cut, where the container does not report that at its end.
     why_cut: Option<String>,
@@ -188,7 +188,7 @@ impl FrameReader {
         self.mending.as_ref().is_some_and(Mending::has_forgiven)
     }
 
-    /// How long the last picture is shown, in ticks of the stream, as far as the file tells.
+    /// How long the last picture is shown, in ticks of the stream, as far as the file says.
     pub(crate) fn last_duration(&self) -> Option<i64> {
         let duration = self.last_packet.map(|(_, duration)| duration);
         duration.filter(|ticks| *ticks > 0)
@@ -200,7 +200,7 @@ impl FrameReader {
     }
 
     /// The next frame in the order of display, None after the last. Frames before a break are
-    /// delivered first, then the break is told once.
+    /// delivered first, then the break is reported once.
     pub(crate) fn next_frame(&mut self) -> Result<Option<Video>, Break> {
         loop {
             match self.step()? {
@@ -243,7 +243,7 @@ impl FrameReader {
             Err(av::Error::Eof) => Ok(Step::End),
             Err(e) if wants_more(e) => self.feed().map(|()| Step::Fed),
             Err(e) => match (&mut self.errors_at_end, &self.mending) {
-                // It may tell of a damaged last frame for ever.
+                // It may report a damaged last frame for ever.
                 (Some(MOST_AT_END), Some(_)) => Ok(Step::End),
                 (Some(errors), Some(_)) => {
                     *errors += 1;
@@ -254,7 +254,7 @@ impl FrameReader {
         }
     }
 
-    /// Takes note of what the decoder has told since this was called.
+    /// Takes note of what the decoder has reported since this was called.
     fn listen(&mut self) -> Result<(), Break> {
         if !self.log.has_heard() {
             return Ok(());
@@ -283,7 +283,7 @@ impl FrameReader {
         }
     }
 
-    /// Gives the decoder one packet of the stream, or tells it that there are no more.
+    /// Gives the decoder one packet of the stream, or signals that there are no more.
     fn feed(&mut self) -> Result<(), Break> {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
@@ -379,7 +379,7 @@ enum Step {
     End,
 }
 
-/// Opens a film, and says what is told of it meanwhile and later, which must outlive it.
+/// Opens a film, with a log of what is reported meanwhile and later, which must outlive it.
 fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
     start();
     let cannot_open = |reason| MediaError::Open {
@@ -397,13 +397,13 @@ fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
             true => cannot_open(reason),
             false => refused_box(path).unwrap_or_else(|| not_video(reason)),
         })?;
-    // Lists make FFmpeg read files that nobody named here.
+    // Lists make FFmpeg read files that were not named here.
     if matches!(input.format().name(), "hls" | "concat" | "dash") {
         return Err(not_video(
             "it is a list of other files; give one of them".to_owned(),
         ));
     }
-    // FFmpeg draws text files as pictures of a terminal; nobody means that.
+    // FFmpeg draws text files as pictures of a terminal, which is never meant.
     if input.format().name() == "tty" {
         return Err(not_video("it is a text file".to_owned()));
     }

@@ -26,7 +26,7 @@ pub(crate) enum Pieces {
     Whole,
     /// A JPEG.
     Jpeg,
-    /// Of other codes zeros tell nothing.
+    /// For other codecs zeros show nothing.
     Unknown,
 }
 

@@ -23,7 +23,7 @@ const MOST_KEPT: usize = 4096;
 /// Errors in a row after which a decoder takes nothing more.
 const MOST_ERRORS: u32 = 10_000;
 
-/// What tells which packet a frame came of, in the order of display where that is known.
+/// What identifies the packet that a frame came from, in the order of display where that is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
     /// Its stamp.
@@ -188,14 +188,14 @@ enum Verdict {
     Bad,
 }
 
-/// Counts what is concealed. Decoders that conceal tell little of it, so another one that refuses
+/// Counts what is concealed. Decoders that conceal report little of it, so another one that refuses
 /// damage reads the same packets.
 pub(crate) struct Mending {
     judge: Option<Judge>,
     has_forgiven: bool,
     /// Damaged packets whose frames have not come out.
     waiting: BTreeSet<Place>,
-    /// Damaged packets of which nothing tells which they are.
+    /// Damaged packets that cannot be identified.
     unknown: u64,
     /// Damaged frames that were shown, and those left out before the first good one.
     damaged: u64,
@@ -210,7 +210,7 @@ pub(crate) struct Mending {
 }
 
 impl Mending {
-    /// With a decoder that refuses damage, where the one that shows does not tell of it; so many
+    /// With a decoder that refuses damage, where the one that shows does not report it; so many
     /// damaged frames before the first good one are left out.
     pub(crate) fn new(judge: Option<Judge>, most_left_out: u64, needs_key: bool) -> Self {
         Self {
@@ -280,7 +280,7 @@ impl Mending {
     /// was good.
     pub(crate) fn takes(&mut self, frame: &Video, is_flagged: bool, has_begun: bool) -> bool {
         self.errors_in_a_row = 0;
-        // A decoder that conceals flags frames beside the damaged ones too.
+        // A decoder that conceals flags frames next to the damaged ones too.
         let is_sure = is_flagged && (self.judge.is_none() || frame.is_corrupt());
         self.flagged += u64::from(is_flagged && !is_sure);
         let is_flagged = is_sure;
@@ -300,13 +300,13 @@ impl Mending {
     }
 
     /// Damaged frames that were shown, and damaged packets that became none, of which those before
-    /// the first frame are told of elsewhere.
+    /// the first frame are reported elsewhere.
     pub(crate) fn counts(&self, first: Option<Place>) -> [u64; 2] {
         let lost = self
             .waiting
             .iter()
             .filter(|place| first.is_none_or(|it| !place.is_before(it)));
-        // Nobody knows which frame is meant.
+        // Which frame is meant is unknown.
         let unknown = self.unknown.saturating_sub(self.damaged);
         let lost = lost.count() as u64 + unknown;
         match (self.damaged, lost) {

@@ -17,7 +17,7 @@ use crate::read::film::damage_log::DamageLog;
 
 /// Most bytes that are read for a packet, or to open a file. FFmpeg keeps them four times over.
 const MOST_BYTES: i64 = 1 << 28;
-/// So many times as many where a container tells how long its packets are, which are kept once.
+/// So many times as many where a container says how long its packets are, which are kept once.
 const KNOWN_LENGTHS: i64 = 4;
 const TELL_LENGTHS: [&str; 8] = [
     "mov,mp4",
@@ -113,12 +113,12 @@ fn nothing(most: i64) -> String {
     format!("{} MiB of it hold nothing to show", most >> 20)
 }
 
-/// Opens a file and finds its streams. The log, if there is one, hears what is told of it meanwhile
-/// and later, and must outlive it. The error says why it is not opened.
+/// Opens a file and finds its streams. The log, if there is one, hears what is reported
+/// meanwhile and later, and must outlive it. The error says why it is not opened.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
 pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, String> {
     let name = path.to_str().and_then(|it| CString::new(it).ok());
-    let name = name.ok_or("its name cannot be told to FFmpeg")?;
+    let name = name.ok_or("its name cannot be passed to FFmpeg")?;
     let mut options = av::Dictionary::new();
     // A name with %d in it is a name, not a series of pictures.
     options.set("pattern_type", "none");

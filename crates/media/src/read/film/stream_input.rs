@@ -37,7 +37,7 @@ pub(crate) struct StreamInput {
     conversion: FrameConversion,
     timeline: FileTimeline,
     coded_size: [u32; 2],
-    /// Width over height of a pixel of the first frame, as its own data tell.
+    /// Width over height of a pixel of the first frame, as its own data say.
     coded_aspect: av::Rational,
     pub(crate) first_stamp_ns: i64,
     delivered: u64,
@@ -119,7 +119,7 @@ impl StreamInput {
         }
     }
 
-    /// How long the last picture is shown, in nanoseconds, as far as the file tells.
+    /// How long the last picture is shown, in nanoseconds, as far as the file says.
     pub(crate) fn last_ns(&self) -> Option<i64> {
         let ticks = self.frames.reader().last_duration()?;
         Some(self.timeline.stamp_ns(Some(ticks.saturating_mul(2))))
@@ -198,7 +198,7 @@ impl StreamInput {
     }
 }
 
-/// What the container and the first frame tell, but for transparency that must be looked for.
+/// What the container and the first frame say, but for transparency that must be looked for.
 fn describe(
     reader: &FrameReader,
     stream: &Stream,
@@ -270,7 +270,7 @@ fn describe(
     }
 }
 
-/// What only a look at the first picture tells.
+/// What only a look at the first picture shows.
 fn look_at(info: &mut SourceInfo, first: &Video, conversion: &mut FrameConversion) {
     let may_be_raw = info.camera.is_none() && may_be_two_fisheyes([info.width, info.height]);
     if !has_alpha(first) && !may_be_raw {

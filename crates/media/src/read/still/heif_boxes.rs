@@ -33,7 +33,7 @@ pub struct Heif {
     pub(crate) orientation: Orientation,
     /// Width and height of a pixel to each other.
     pub pixel_aspect: Option<[u32; 2]>,
-    /// Matrix and full range, where the file tells other than its coded data: H.273's numbers.
+    /// Matrix and full range, where the file says other than its coded data: H.273's numbers.
     pub colour: Option<(u16, bool)>,
     /// What of it is passed over, in words.
     pub passed_over: Vec<String>,
@@ -43,7 +43,7 @@ pub struct Heif {
     pub is_series: bool,
 }
 
-/// Coded pictures that lie beside each other.
+/// Coded pictures that lie next to each other.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tiled {
     /// Columns of tiles.
@@ -186,7 +186,7 @@ impl<'a> Items<'a> {
             let wide = if it.first()? == &0 { 2 } else { 4 };
             Numbers(it.get(4..)?).next(wide)
         });
-        // Data may lie in a box beside the list.
+        // Data may lie in a box next to the list.
         let stored = first(b"idat").map(|it| {
             let from = at + (it.as_ptr() as usize - meta.as_ptr() as usize) as u64;
             from..from + it.len() as u64

@@ -1,6 +1,6 @@
 //! What does a picture file say of how it is meant to be looked at?
 //!
-//! EXIF of JPEG, PNG, WebP and TIFF files tells which way is up, XMP of JPEG and PNG files (before
+//! EXIF of JPEG, PNG, WebP and TIFF files says which way is up, XMP of JPEG and PNG files (before
 //! the pixels) whether the picture is of a sphere.
 
 use std::io::{BufRead, BufReader, Seek, SeekFrom};

@@ -34,7 +34,7 @@ struct Ring {
 }
 
 impl CapTable {
-    /// `halvings` tells how often each row, counted from the pole, may be halved.
+    /// `halvings` says how often each row, counted from the pole, may be halved.
     pub(in crate::sphere) fn new(
         plane: &Plane,
         kernel: &Kernel,

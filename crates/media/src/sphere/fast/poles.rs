@@ -157,7 +157,7 @@ impl<'a> PoleRows<'a> {
                 .halvings
                 .partition_point(|halvings| *halvings >= level);
             let mut rows = Vec::with_capacity((read + TAPS) * (width + TAPS));
-            // A kernel reads beside the row that it is at.
+            // A kernel reads rows next to the one that it is at.
             for row in 0..(read + TAPS / 2).min(plane.height) {
                 halve(this.row(level - 1, row), &mut rows);
             }

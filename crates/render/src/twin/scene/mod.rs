@@ -45,7 +45,7 @@ pub struct TwinScene {
     refiners: HashMap<(UnitId, u8), UnitId>,
     clouds: CloudUnits,
     objects: Vec<SceneObject>,
-    /// What units are worth, where pictures are to tell that.
+    /// What units are worth, where pictures are to show that.
     worths: Option<Vec<f32>>,
 }
 

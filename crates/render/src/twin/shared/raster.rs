@@ -1,4 +1,4 @@
-//! Which pixels does a triangle cover, and what is there of its corners?
+//! Which pixels does a triangle cover, with which corner weights?
 //!
 //! What a GPU does between the steps of a drawing pass: it cuts triangles off at the least depth,
 //! rounds corners to 1/256 of a pixel, and gives a pixel on a common edge to one of two triangles.
@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2, Vec3, Vec4};
 
 /// Parts of a pixel that corners are rounded to.
 const PARTS: f64 = 256.0;
-/// Farthest place of a corner that is told from others, in parts of a pixel.
+/// Farthest place of a corner that is distinguished from others, in parts of a pixel.
 const FARTHEST: f64 = (1_u64 << 29) as f64;
 
 /// What the corners of a triangle have, and what is between them.

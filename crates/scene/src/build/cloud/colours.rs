@@ -1,6 +1,6 @@
 //! Of how many bits are the colours of a cloud, and what is their mean?
 
-/// How colours are told.
+/// How colours are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Codes {
     /// Bits of a code: 8 or 16.
@@ -10,7 +10,7 @@ pub(super) struct Codes {
 }
 
 impl Codes {
-    /// How these are told: in eight bits where all of them are such times 1, 257 or 256.
+    /// How these are stored: in eight bits where all of them are such times 1, 257 or 256.
     pub(super) fn of(colours: &[[u16; 3]]) -> Self {
         let all = colours.as_flattened();
         let eight = |times: u16| Self { bits: 8, times };
@@ -22,7 +22,7 @@ impl Codes {
         fitting.next().map_or(Self { bits: 16, times: 1 }, eight)
     }
 
-    /// How a colour of the file is told.
+    /// How a colour of the file is stored.
     pub(super) fn told(&self, colour: [u16; 3]) -> [u16; 3] {
         colour.map(|it| it / self.times)
     }

@@ -33,7 +33,7 @@ pub(super) struct BuiltCloud {
     pub(super) left_out: u64,
 }
 
-/// Most points of one place where some have more than a tree can tell apart: a few units of them.
+/// Most points of one place where some have more than a tree can distinguish: a few units of them.
 const MOST_OF_PLACE: usize = 1 << 15;
 
 /// Turns a cloud into units; `step` hears how many points are done.
@@ -84,7 +84,7 @@ pub(super) fn build(
     let nodes = nodes.map_err(|error| match error {
         OctreeError::Deep => BuildError::Source {
             object: source.name.clone(),
-            what: "more points at few places than can be told apart",
+            what: "more points at few places than can be distinguished",
         },
         OctreeError::Unit(error) => BuildError::Unit(error),
     })?;
@@ -132,7 +132,7 @@ fn check(source: &SourceCloud) -> Result<(), &'static str> {
     let is_near = source.reach().max_element() <= 1e15;
     match source.scale.iter().all(is_step) && is_near {
         true => Ok(()),
-        false => Err("a scale that is none, or a position beyond 1e15"),
+        false => Err("an invalid scale, or a position beyond 1e15"),
     }
 }
 

@@ -13,8 +13,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Most levels below a cube at which cells are told apart there: places are shown in 65536ths of a
-/// side.
+/// Most levels below a cube at which cells are distinguished there: places are shown in 65536ths of
+/// a side.
 const MOST_CELLS: u32 = 12;
 /// Most levels of a tree: those of a scene are at most 40.
 const MOST_DEPTH: u32 = 38;

@@ -37,7 +37,7 @@ fn parsed(built: &Built, unit: usize) -> (PointUnit, Cloud) {
     )
 }
 
-/// What the file would tell of a point: coordinates, colour, intensity and class.
+/// What the file would hold of a point: coordinates, colour, intensity and class.
 type Told = ([i32; 3], [u16; 3], u16, u8);
 
 /// All points of the units of one object, in the colours that they have in the end.

@@ -1,4 +1,4 @@
-//! Do signatures tell what units add?
+//! Do signatures measure what units add?
 
 use super::meshes::{all_meshes, sheet, torus};
 use super::{built, full_cut};

@@ -1,4 +1,4 @@
-//! Do pages of textures hold what surfaces have, and are they told of as mesh units are?
+//! Do pages of textures hold what surfaces have, and are they described as mesh units are?
 
 use super::built;
 use crate::build::{BuildOptions, Built, build};

@@ -65,7 +65,7 @@ impl Keys {
         Ok(())
     }
 
-    /// Checks a table, or each of several; what is none is refused by its type later.
+    /// Checks a table, or each of several; anything else is refused by its type later.
     fn check_all(&self, value: &Spanned<DeValue<'_>>, line: LineOf<'_>) -> Result<(), Fault> {
         match value.get_ref() {
             DeValue::Table(table) => self.check(table, line),

@@ -25,7 +25,7 @@ use outline::{Outline, PlaceText};
 
 /// Most bytes of a scene file.
 const MOST_BYTES: usize = 1 << 24;
-/// Most bytes that tell of one place.
+/// Most bytes that describe one place.
 const MOST_PLACE_BYTES: usize = 1 << 16;
 /// Largest number of a place, in metres, and of a scale.
 const LARGEST: f64 = 1e9;

@@ -14,7 +14,7 @@ use super::super::error::Fault;
 use super::super::place::MOST_PLACES;
 use super::keys::{NEXT, line_of};
 
-/// Most words of a text beside places: sixteen for each of as many inputs as fit into a pack.
+/// Most words of a text besides places: sixteen for each of as many inputs as fit into a pack.
 const MOST_WORDS: usize = 16 * 4096;
 /// Deeper than any scene file; the parser refuses what is deeper still.
 const MOST_DEPTH: usize = 64;
@@ -49,7 +49,7 @@ impl Outline {
     /// The outline of a text.
     ///
     /// # Errors
-    /// It has more places, or more words beside them, than a scene file can need.
+    /// It has more places, or more words besides them, than a scene file can need.
     pub(super) fn of(text: &str) -> Result<Self, Fault> {
         let mut scanner = Scanner {
             source: Source::new(text),
@@ -261,7 +261,7 @@ impl<'a> Scanner<'a> {
             TokenKind::LeftSquareBracket | TokenKind::LeftCurlyBracket => {
                 from.get_or_insert(span.start());
                 *to = span.end();
-                // What is deeper is refused by whoever parses the place.
+                // What is deeper is refused where the place is parsed.
                 self.open.push(Open::Other);
             }
             TokenKind::RightSquareBracket | TokenKind::RightCurlyBracket => {
@@ -298,7 +298,7 @@ impl<'a> Scanner<'a> {
     fn keep(&mut self, token: Token) -> Result<(), Fault> {
         self.words += 1;
         if self.words > MOST_WORDS {
-            let what = format!("it has more than {MOST_WORDS} words beside places");
+            let what = format!("it has more than {MOST_WORDS} words besides places");
             let line = line_of(self.source.input(), token.span().start());
             return Err(Fault::broken(line, what, NEXT));
         }
@@ -377,7 +377,7 @@ mod tests {
         assert!(outline.text.is_empty() && outline.left_out.len() == 1);
         for (many, said) in [
             ("place = [", "262144 places"),
-            ("a = [", "words beside places"),
+            ("a = [", "words besides places"),
         ] {
             let text = format!("[[input]]\n{many}{}", "{},".repeat(300_000));
             let fault = format!("{:?}", Outline::of(&text).unwrap_err());

@@ -185,7 +185,7 @@ impl Accessors<'_> {
         let component = component_of(accessor.component_type).map_err(fault)?;
         let width = width_of(&accessor.shape).ok_or_else(|| {
             let shape = shortened(&accessor.shape);
-            fault(format!("its type is {shape:?}, which is none of a mesh"))
+            fault(format!("its type is {shape:?}, which no mesh has"))
         })?;
         let rows = match accessor.buffer_view {
             Some(view) => {
@@ -238,7 +238,7 @@ impl Accessors<'_> {
         Ok(full)
     }
 
-    /// The elements of an accessor of whole numbers; what is none is the largest.
+    /// The elements of an accessor of whole numbers; anything else is the largest.
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
         let whole = [Component::U8, Component::U16, Component::U32];
@@ -357,7 +357,7 @@ fn fitting(bytes: u64, offset: u64, stride: usize, size: usize) -> u64 {
 }
 
 fn component_of(code: u32) -> Result<Component, String> {
-    Component::of(code).ok_or_else(|| format!("its component type is {code}, which is none"))
+    Component::of(code).ok_or_else(|| format!("its component type is {code}, which does not exist"))
 }
 
 /// What is wrong with an accessor itself, or with what it names.

@@ -10,7 +10,7 @@ use super::super::error::Fault;
 use super::buffers::Buffers;
 use super::json::{Accessor, Document, GltfAttributes, Primitive, View};
 
-/// How corners of triangles are told: unsigned, 32 bits.
+/// How corners of triangles are stored: unsigned, 32 bits.
 const INDICES: u32 = 5125;
 /// The mode of triangles.
 const TRIANGLES: u32 = 4;
@@ -120,7 +120,8 @@ fn component_of(kind: DataType, place: &str) -> Result<u32, Fault> {
         DataType::Uint32 => 5125,
         DataType::Float32 => 5126,
         other => {
-            let what = format!("its compressed numbers are of kind {other:?}, which is none");
+            let what =
+                format!("its compressed numbers are of kind {other:?}, which does not exist");
             return Err(Fault::at(place, what));
         }
     })

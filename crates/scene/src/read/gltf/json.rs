@@ -281,7 +281,7 @@ pub(super) struct Glossiness {
 }
 
 impl GltfMaterial {
-    /// The older way to tell of colours, where it tells any: it stands before the newer one.
+    /// The older way to give colours, where it gives any: it goes before the newer one.
     fn glossiness(&self) -> Option<&Glossiness> {
         let said = self.extensions.glossiness.as_deref();
         said.filter(|it| it.factor.is_some() || it.texture.is_some())

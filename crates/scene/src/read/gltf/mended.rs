@@ -35,7 +35,7 @@ const TEXTS: [&[u8]; 10] = [
 ];
 /// Members that are true or false.
 const TRUTHS: [&[u8]; 2] = [b"doubleSided", b"normalized"];
-/// The largest whole number that a `float` of 64 bits tells exactly.
+/// The largest whole number that a `float` of 64 bits holds exactly.
 const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
 /// The text with what can be mended, and how much of it was.

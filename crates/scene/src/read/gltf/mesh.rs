@@ -110,7 +110,7 @@ impl MeshReader<'_> {
     }
 
     /// Reads mesh `number`, which exists; it may have no triangle. Parts that cannot be read are
-    /// left out; refused is what tells of far more than the file has.
+    /// left out; a mesh that claims far more than the file has is refused.
     pub(super) fn read(&mut self, number: u32) -> Result<SourceMesh, Fault> {
         let said = &self.accessors.document.meshes[number as usize];
         self.points = MeshPoints::default();
@@ -349,7 +349,7 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// What vertices have beside a place, one of each a vertex; what cannot be read is left out.
+    /// What vertices have besides a place, one of each a vertex; what cannot be read is left out.
     fn beside_places(
         &mut self,
         streams: Streams,
@@ -426,8 +426,8 @@ impl MeshReader<'_> {
         if usual > 1.0 {
             count(&mut self.repairs, "colours_not_normalised", colours.len());
             self.remarks.push(format!(
-                "colours of {what} are whole numbers that are not said to be parts of 1: {} is \
-                 taken for all light",
+                "colours of {what} are whole numbers that are not said to be parts of 1: {} \
+                 counts as full light",
                 full.largest()
             ));
         } else {
@@ -462,7 +462,7 @@ impl MeshReader<'_> {
         for corner in &mut corners {
             *corner = match (*corner as usize) < vertices.count {
                 true => *corner + first,
-                // What is none is left out with its triangle.
+                // An invalid one is left out with its triangle.
                 false => u32::MAX,
             };
         }
@@ -499,7 +499,7 @@ impl MeshReader<'_> {
                     triangles.extend(all.map(|edge| [edge[0], edge[1], *middle]));
                 }
             }
-            _ => return Err(format!("its mode is {mode}, which is none")),
+            _ => return Err(format!("its mode is {mode}, which does not exist")),
         }
         Ok(())
     }

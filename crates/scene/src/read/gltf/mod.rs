@@ -159,8 +159,8 @@ fn opened<'a>(bytes: &'a [u8], folder: &mut dyn Folder) -> Result<Opened<'a>, Fa
 }
 
 impl ToldOfFile {
-    /// Tells how much of the JSON was mended, whether the file is as long as it says, and how many
-    /// buffers were shorter than said.
+    /// Reports how much of the JSON was mended, whether the file is as long as it says, and how
+    /// many buffers were shorter than said.
     fn tell(&self, short: usize, scene: &mut SourceScene) {
         count(&mut scene.repairs, "json_mended", self.mended);
         if self.mended > 0 {
@@ -295,7 +295,7 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
         ),
         (
             any(|it| it.alpha_mode.as_deref() == Some("BLEND")),
-            "what is half transparent is drawn opaque",
+            "semi-transparent surfaces are drawn opaque",
         ),
     ] {
         if is_lost {

@@ -105,7 +105,7 @@ fn instances(
         let rotations = rows(accessors, said.rotation, [0.0, 0.0, 0.0, 1.0], count)?;
         let scales = rows(accessors, said.scale, [1.0; 3], count)?;
         let all = translations.into_iter().zip(rotations).zip(scales);
-        // One whose rotation is none is not turned.
+        // One with an invalid rotation is not turned.
         let place = |((translation, rotation), scale)| placed(translation, rotation, scale).0;
         Ok(all.map(place).collect())
     };
@@ -241,14 +241,14 @@ fn parent_from_node(said: &Node) -> (DAffine3, Option<&'static str>) {
     placed(translation, rotation, scale)
 }
 
-/// The same of its parts; a rotation that is none does not turn.
+/// The same of its parts; an invalid rotation does not turn.
 fn placed(
     translation: [f64; 3],
     rotation: [f64; 4],
     scale: [f64; 3],
 ) -> (DAffine3, Option<&'static str>) {
     let turn = DVec4::from_array(rotation).try_normalize();
-    let wrong = turn.is_none().then_some("its rotation is none");
+    let wrong = turn.is_none().then_some("its rotation is invalid");
     let turn = turn.map_or(DQuat::IDENTITY, DQuat::from_vec4);
     let scale = DVec3::from_array(scale);
     let placed = DAffine3::from_scale_rotation_translation(scale, turn, translation.into());

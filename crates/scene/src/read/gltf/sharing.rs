@@ -1,6 +1,6 @@
 //! Which meshes of a glTF file are the same one?
 //!
-//! Exporters write a mesh anew for each node that shows it, with the same accessors. What says the
+//! Exporters write a mesh again for each node that shows it, with the same accessors. What says the
 //! same is read, built and sent once, and stands in several places.
 
 use std::collections::{HashMap, HashSet};

@@ -3,7 +3,7 @@
 //! Source: Microsoft, "Bitmap Storage" and the structures that it names; IBM, "OS/2 Presentation
 //! Manager" for the oldest head.
 
-/// Bytes before what tells how long it is itself.
+/// Bytes before the header that gives its own length.
 const FILE_HEAD: usize = 14;
 /// The oldest head.
 const OLDEST: usize = 12;
@@ -17,7 +17,7 @@ const RUNS_OF_4: u32 = 2;
 const MASKED: u32 = 3;
 const MASKED_WITH_ALPHA: u32 = 6;
 
-/// What the head tells.
+/// What the head says.
 struct Head {
     size: [usize; 2],
     from_top: bool,
@@ -138,7 +138,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Vec<u8>> {
             };
         }
     }
-    // An alpha that is nowhere is none.
+    // An alpha that is 0 everywhere does not count.
     let all = texels.as_chunks_mut::<4>().0;
     if all.iter().all(|it| it[3] == 0) {
         all.iter_mut().for_each(|it| it[3] = 255);

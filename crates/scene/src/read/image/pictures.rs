@@ -15,7 +15,7 @@ const MOST_TEXELS_A_BYTE: u64 = 64;
 /// Most pictures that are named of those that are left out.
 const MOST_NAMED: usize = 8;
 
-/// Leaves out pictures that are none, or too large, and says which.
+/// Leaves out pictures that are invalid or too large, and says which.
 pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
     let mut left = MOST_TEXELS.saturating_add(MOST_TEXELS_A_BYTE.saturating_mul(scene.bytes));
     let mut sizes = HashMap::new();

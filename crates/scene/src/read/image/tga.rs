@@ -1,7 +1,7 @@
 //! How is a TGA picture read?
 //!
 //! Source: Truevision, "TGA File Format Specification", version 2.0, 1991. Nothing in its first
-//! bytes says what it is: they are taken for its head where all of that makes sense.
+//! bytes says what it is: they count as its head where all of that makes sense.
 
 const HEAD_BYTES: usize = 18;
 /// Kinds of pictures; 8 more where runs are packed.
@@ -14,7 +14,7 @@ const FROM_RIGHT: u8 = 0x10;
 const FROM_TOP: u8 = 0x20;
 const UNUSED: u8 = 0xc0;
 
-/// What the head tells.
+/// What the head says.
 struct Head {
     kind: u8,
     is_packed: bool,
@@ -89,7 +89,7 @@ pub(super) fn decode(bytes: &[u8]) -> Option<Vec<u8>> {
             texels.extend(head.texel(&raw[at..at + head.texel_bytes], palette)?);
         }
     }
-    // An alpha that is nowhere is none.
+    // An alpha that is 0 everywhere does not count.
     if texels.as_chunks::<4>().0.iter().all(|it| it[3] == 0) {
         texels
             .as_chunks_mut()
@@ -128,7 +128,7 @@ impl Head {
     }
 }
 
-/// Blue comes first; of two bytes each part has five bits, and the last bit tells nothing.
+/// Blue comes first; of two bytes each part has five bits, and the last bit is unused.
 fn colour(raw: &[u8]) -> [u8; 4] {
     match *raw {
         [blue, green, red, alpha] => [red, green, blue, alpha],

@@ -9,7 +9,7 @@ use std::io::Cursor;
 
 /// Most chunks that are looked at; one of a still has five.
 const MOST_CHUNKS: usize = 1 << 16;
-/// Bytes of what tells a frame of an animation before its chunks.
+/// Bytes of the header of an animation's frame before its chunks.
 const FRAME_BYTES: usize = 16;
 
 /// Columns and rows, as large as any chunk claims along each side; none of what is no WebP.

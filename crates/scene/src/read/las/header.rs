@@ -138,7 +138,7 @@ impl LasHeader {
         Ok(header)
     }
 
-    /// The number of points: of several that the header tells the one that the file holds.
+    /// The number of points: of several that the header gives, the one that the file holds.
     fn count_of(&self, bytes: &[u8], minor: u8, mends: &mut LasMends) -> Result<u64, Fault> {
         let old = u64::from(word_at(bytes, 107));
         let new = if minor >= 4 { long_at(bytes, 247) } else { old };
@@ -222,10 +222,10 @@ impl LasHeader {
         }
         let is_step = |it: &f64| it.is_finite() && *it > 0.0 && *it <= 1e12;
         if !self.scale.iter().all(is_step) {
-            return wrong(131, format!("the scale {:?} is none", self.scale));
+            return wrong(131, format!("the scale {:?} is invalid", self.scale));
         }
         if !self.offset.iter().all(|it| it.abs() <= 1e15) {
-            return wrong(155, format!("the offset {:?} is none", self.offset));
+            return wrong(155, format!("the offset {:?} is invalid", self.offset));
         }
         Ok(())
     }

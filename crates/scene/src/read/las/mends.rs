@@ -1,4 +1,4 @@
-//! What of a scan was mended or left out, and how is that told?
+//! What of a scan was mended or left out, and how is that reported?
 
 use crate::source::Repairs;
 use foveal_core::units::counted;

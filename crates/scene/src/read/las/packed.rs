@@ -1,7 +1,7 @@
 //! How are the points of a LAZ file unpacked, however damaged it is?
 //!
 //! Chunk by chunk. What the file says of chunks and of the layers in them is compared with its
-//! length before `laz` is given a chunk, for that allocates what it is told.
+//! length before `laz` is given a chunk, which allocates what it is asked to.
 
 use super::super::error::Fault;
 use super::header::{LasHeader, half_at, word_at};
@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Who writes the record that tells how points are packed, and its number.
+/// Who writes the record that says how points are packed, and its number.
 const LASZIP: &[u8] = b"laszip encoded";
 const LASZIP_NUMBER: u16 = 22204;
 /// Bytes of what that says before its items, and of an item.
@@ -26,7 +26,7 @@ const CHUNK_SIZE_AT: usize = 12;
 const ANY_SIZE: u32 = u32::MAX;
 /// Bytes that say where the table of chunks lies.
 const POINTER_BYTES: usize = 8;
-/// Bytes that a byte unpacks to at most, beside what may always be: more would be the same point,
+/// Bytes that a byte unpacks to at most, besides what may always be: more would be the same point,
 /// over and over. Scans of a plain by a machine reach hundreds.
 const MOST_UNPACKED: u64 = 2048;
 const MOST_FREE: u64 = 1 << 25;
@@ -115,7 +115,7 @@ impl Packed<'_> {
         most / self.record_bytes as u64
     }
 
-    /// Unpacks chunks that a table tells of.
+    /// Unpacks chunks that a table lists.
     fn all_of(
         &self,
         chunks: &[Chunk<'_>],
@@ -218,7 +218,7 @@ impl Packed<'_> {
         unpack(chunk, said, self.packing, &mut |record| records.add(record))
     }
 
-    /// The chunks of layers that follow each other, of which no table tells: each says itself how
+    /// The chunks of layers that follow each other, which no table lists: each says itself how
     /// long it is.
     fn layered_chunks<'b>(&self, bytes: &'b [u8], header: &LasHeader) -> Vec<Chunk<'b>> {
         let sizes_at = self.record_bytes + 4;
@@ -247,7 +247,7 @@ impl Packed<'_> {
         chunks
     }
 
-    /// Unpacks points one after the other until there are no more bytes, where no table tells of
+    /// Unpacks points one after the other until there are no more bytes, where no table lists
     /// chunks. Returns how many these are; none is an error.
     fn in_turn(
         &self,
@@ -307,7 +307,7 @@ fn packing_of(said: &[u8], header: &LasHeader) -> Result<(Packing, LazVlr), Faul
         1 => Packing::One,
         2 => Packing::Chunks,
         3 => Packing::Layers,
-        other => return Err(fault(format!("packing {other} is none"))),
+        other => return Err(fault(format!("packing {other} does not exist"))),
     };
     let vlr = LazVlr::from_buffer(said).map_err(|error| fault(error.to_string()))?;
     // What an item says of its own size counts where its length is open.
@@ -519,7 +519,7 @@ fn unpack(
         }
         Ok(end.saturating_sub(unpacking.into_inner().position()))
     };
-    // It takes for granted that what a coder tells is in range, and unwinds where it is not; what
+    // It takes for granted that what a coder gives is in range, and unwinds where it is not; what
     // came before is dropped with the file.
     let unwound = |_| Err("it is damaged".to_owned());
     catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)

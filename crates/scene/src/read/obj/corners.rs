@@ -191,7 +191,7 @@ impl Late {
         self.first == 1 && self.zero && !self.back && (self.most as usize) < vertices
     }
 
-    /// Tells how vertices were counted.
+    /// Says how vertices were counted.
     pub(super) fn tell(&self, mends: &mut Mends) {
         mends.add(FROM_ZERO, usize::from(self.first == 0), || {
             "vertex is 0".to_owned()

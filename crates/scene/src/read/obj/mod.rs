@@ -365,7 +365,7 @@ impl Reader<'_> {
             let what = format!("more than {MOST_LIBRARIES} files of materials are named");
             return Err(Fault::line(words.line, what));
         }
-        // Blanks may be of one name, or between several; quotes tell.
+        // Blanks may be of one name, or between several; quotes decide.
         match search::read(self.folder, &[&whole]) {
             Err(Fault::Missing { .. }) if whole.contains(' ') && !whole.starts_with('"') => {
                 for name in whole.split(' ').take(MOST_LIBRARIES) {
@@ -407,7 +407,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Colours are codes of whatever depth all of them tell.
+    /// Colours are codes of whatever depth all of them show.
     fn light_colours(&mut self, name: &str) {
         let full = self.colour_depth.full(1.0);
         let largest = full.largest() as f32;

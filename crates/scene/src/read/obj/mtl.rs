@@ -109,7 +109,7 @@ impl MapOptions {
         others.chain([&*self.file]).collect()
     }
 
-    /// Remembers that a library of this name tells of it.
+    /// Remembers that a library of this name describes it.
     fn lies_beside(&mut self, library: &str) {
         if let Some((folder, _)) = library.rsplit_once(['/', '\\']) {
             self.others.push(format!("{folder}/{}", self.file));
@@ -180,7 +180,7 @@ impl Library {
                 most,
             } = said;
             if most > MOST_LIGHT {
-                let what = format!("`Kd` reaches {most}: 255 is taken for all light");
+                let what = format!("`Kd` reaches {most}: 255 counts as full light");
                 self.mend("colours_rescaled", &material, &what);
             } else if most > CUT_LIGHT {
                 let what = format!("`Kd` reaches {most}, brighter than white: cut to 1");

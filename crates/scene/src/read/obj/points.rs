@@ -11,7 +11,7 @@ use crate::build::codes_from_linear;
 pub(super) struct NamedPoints {
     points: Vec<u32>,
     of_lines: Vec<u32>,
-    /// Points that are none, and the line of the first.
+    /// Invalid points, and the line of the first.
     lost: usize,
     first_lost: usize,
 }

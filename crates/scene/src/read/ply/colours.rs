@@ -24,7 +24,7 @@ pub(super) struct ColourColumns {
     kind: Kind,
 }
 
-/// How rows tell of colours.
+/// How rows give colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Kind {
     /// By red, green and blue.
@@ -121,7 +121,7 @@ impl ColourColumns {
             && element.properties.iter().any(is_colour)
     }
 
-    /// Whether one number tells of all parts of a colour.
+    /// Whether one number gives all parts of a colour.
     pub(super) fn is_packed(&self) -> bool {
         self.kind == Kind::Packed
     }
@@ -157,7 +157,7 @@ impl PlyColours {
         self.raw.len()
     }
 
-    /// Adds a colour; `false` if it is none, and will be white. An alpha below 0 is not said.
+    /// Adds a colour; `false` if it is invalid, and will be white. An alpha below 0 is not said.
     pub(super) fn add(&mut self, mut colour: [f64; 4]) -> bool {
         match self.kind {
             Kind::Splat => {
@@ -303,7 +303,7 @@ pub(super) fn colour_triangles(mesh: &mut SourceMesh, faces: &[u32], colours: &[
         for corner in triangle {
             let at = *corner as usize;
             let Some(position) = mesh.positions.get(at) else {
-                // What is none is left out with its triangle.
+                // An invalid one is left out with its triangle.
                 *corner = u32::MAX;
                 continue;
             };

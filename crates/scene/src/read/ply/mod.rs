@@ -103,7 +103,7 @@ fn slot(name: &str) -> Option<usize> {
 const SLOTS: usize = 6;
 
 impl Reader {
-    /// All elements that a header tells of.
+    /// All elements that a header lists.
     fn of(header: &PlyHeader, bytes: &[u8]) -> Result<Self, Fault> {
         let mut numbers = Numbers::of(header, bytes);
         let faces = header.elements.iter().filter(|it| is_face(it));
@@ -279,7 +279,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Colours what was read, and tells what a person should know of it.
+    /// Colours what was read, and reports what a person should know of it.
     fn take_colours(&mut self, are_points: bool, name: &str, scene: &mut SourceScene) {
         let name = shortened(name);
         let what = if are_points { "points" } else { "vertices" };

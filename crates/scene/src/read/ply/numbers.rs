@@ -178,8 +178,8 @@ impl<'a> Numbers<'a> {
         self.bytes.len() - self.at
     }
 
-    /// The next number, NaN where a word is none or the line of a row ends before; `None` at the
-    /// end of the file.
+    /// The next number, NaN where a word is no number or the line of a row ends before; `None` at
+    /// the end of the file.
     pub(super) fn number(&mut self, scalar: Scalar) -> Option<f64> {
         match self.encoding {
             Encoding::Text => {

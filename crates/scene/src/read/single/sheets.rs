@@ -1,7 +1,7 @@
 //! Which faces of a mesh stand there again, reversed?
 //!
-//! So are sheets told by programs that know no surfaces with two sides: leaves, cloth, paper. Front
-//! and back that look the same are one surface with two sides; where they differ, each is a surface
+//! Programs without two-sided surfaces write sheets in this way: leaves, cloth, paper. Front and
+//! back that look the same are one surface with two sides; where they differ, each is a surface
 //! of its own.
 
 use std::collections::HashMap;

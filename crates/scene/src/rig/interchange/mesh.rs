@@ -16,7 +16,7 @@ use super::super::error::{NEXT, RigFault};
 use super::foreign_text::text_of;
 use super::warp_map::WarpMap;
 
-/// Rows of the display: a mesh does not tell them.
+/// Rows of the display: a mesh does not give them.
 const ROWS: u32 = 1080;
 /// Largest half width of a display, in half heights.
 const WIDEST: f64 = 8.0;
@@ -25,8 +25,8 @@ const MOST_NODES: usize = 1 << 20;
 const MOST_COVERED: u64 = 64;
 /// Largest place of a node on the display or in the picture.
 const LARGEST: f64 = 1e3;
-/// Width and height of the screen that the picture fills, in distances from the eye. Nothing tells
-/// how large it looks.
+/// Width and height of the screen that the picture fills, in distances from the eye. How large it
+/// looks is unknown.
 const SCREEN: [f64; 2] = [1.0; 2];
 
 /// A node: where on the display, where in the picture, and how bright.
@@ -241,7 +241,7 @@ fn area([a, b, c]: [[f64; 2]; 3]) -> f64 {
 }
 
 impl DrawnMesh {
-    /// Draws a triangle, and tells how many pixels were tried.
+    /// Draws a triangle, and returns how many pixels were tried.
     fn draw(&mut self, three: &[MeshNode; 3], aspect: f64, size: [u32; 2]) -> u64 {
         let [w, h] = size.map(f64::from);
         let corners = three.map(|it| {

@@ -21,7 +21,7 @@ use super::xml::{XmlElement, parse};
 
 /// Most bytes of the document.
 const MOST_XML: u64 = 1 << 24;
-/// Most documents of an archive that are tried beside the first.
+/// Most documents of an archive that are tried besides the first.
 const MOST_OTHERS: usize = 16;
 /// What of a share of a buffer rounding may add.
 const ROUNDED: f64 = 1e-3;
@@ -59,7 +59,7 @@ pub(in super::super) fn read(
         text.map_err(|what| whole(format!("{name:?} {what}")))
     };
     let (mut name, mut text) = (first.clone(), read(&first)?.0);
-    // Others may lie beside it that are no MPCDI.
+    // Others may lie next to it that are no MPCDI.
     for other in names.iter().skip(1).take(MOST_OTHERS) {
         if is_mpcdi(&text) {
             break;
@@ -131,7 +131,7 @@ struct MpcdiRegion<'a> {
     origin: [u32; 2],
     /// Width over height of the buffer.
     aspect: f64,
-    /// Columns and rows of the buffer, where it tells them.
+    /// Columns and rows of the buffer, where it gives them.
     buffer: Option<[f64; 2]>,
 }
 
@@ -145,7 +145,7 @@ impl<'a> MpcdiDocument<'a> {
             "2d" => MpcdiProfile::Flat,
             "3d" | "a3" => MpcdiProfile::Eye,
             "sl" => MpcdiProfile::Lamps,
-            _ => return Err(root.fault("profile", "is none of 2d, 3d, a3, sl")),
+            _ => return Err(root.fault("profile", "is not 2d, 3d, a3 or sl")),
         };
         let mut regions: Vec<MpcdiRegion<'_>> = Vec::new();
         let displays = root.children("display");
@@ -249,7 +249,7 @@ impl<'a> MpcdiDocument<'a> {
         }
     }
 
-    /// The points that a region lights, where a map tells them.
+    /// The points that a region lights, where a map gives them.
     fn space_of(
         &self,
         region: &MpcdiRegion<'a>,
@@ -267,7 +267,7 @@ impl<'a> MpcdiDocument<'a> {
         let Some(warp) = warp else {
             return match self.profile {
                 MpcdiProfile::Lamps => {
-                    let what = "a projector of profile sl that tells where it stands and not what \
+                    let what = "a projector of profile sl that says where it stands and not what \
                                 it lights: export profile a3 or 3d";
                     Err(region.element.fault("geometryWarpFile", what))
                 }
@@ -341,7 +341,7 @@ impl<'a> MpcdiRegion<'a> {
             let pixels = pixels.ok_or_else(|| {
                 element.fault(
                     name,
-                    "neither it nor its buffer tells how many pixels there are",
+                    "neither it nor its buffer says how many pixels there are",
                 )
             })?;
             let whole = pixels.round();
@@ -420,12 +420,12 @@ impl<'a> MpcdiRegion<'a> {
 
     fn before_eye(&self) -> Result<(PoseEntry, TangentsEntry), RigFault> {
         let Some(frustum) = self.element.child("frustum") else {
-            let what = "there is none: nothing tells where the region looks";
+            let what = "missing: where the region looks is unknown";
             return Err(self.element.fault("frustum", what));
         };
         let angle = |name: &str| {
             let said = frustum.number(name)?;
-            said.ok_or_else(|| self.element.fault(name, "its frustum does not tell it"))
+            said.ok_or_else(|| self.element.fault(name, "its frustum does not give it"))
         };
         let tangent = |name: &str| {
             let degrees = angle(name)?;

@@ -18,7 +18,7 @@ const MOST_FINER: u64 = 4;
 const SMALL: u64 = 1 << 16;
 /// Bytes of a float map's header.
 const HEADER: u64 = 256;
-/// Bytes of a picture beside two for each of its pixels in four channels.
+/// Bytes of a picture besides two for each of its pixels in four channels.
 const PNG_BESIDE: u64 = 1 << 20;
 /// Metres of the units of points.
 const UNITS: [(&str, f64); 7] = [
@@ -37,7 +37,7 @@ const LEADS_OUT: [&str; 2] = ["leads out", "names no file in"];
 /// A region's element, and its columns and rows.
 pub(super) type SizedRegion<'a> = (XmlElement<'a>, [u32; 2]);
 
-/// Where the files of an MPCDI lie: in it, or beside a bare document.
+/// Where the files of an MPCDI lie: in it, or next to a bare document.
 pub(super) enum MpcdiFiles<'a> {
     /// With the folder of the document, from which names count.
     Zipped(Archive<'a>, String),
@@ -83,8 +83,8 @@ pub(super) struct MpcdiFilling<'a> {
 }
 
 impl<'a> MpcdiFilling<'a> {
-    /// From files, for an eye so many metres to the right of, above and behind what points are
-    /// told from.
+    /// From files, for an eye so many metres to the right of, above and behind the origin of
+    /// points.
     pub(super) fn of(files: MpcdiFiles<'a>, eye: Option<[f64; 3]>) -> Self {
         Self {
             files,
@@ -132,7 +132,7 @@ impl<'a> MpcdiFilling<'a> {
         ));
     }
 
-    /// What a float map tells.
+    /// What a float map holds.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -156,7 +156,7 @@ impl<'a> MpcdiFilling<'a> {
         Ok(found)
     }
 
-    /// What a picture of shares of light tells, where there is one.
+    /// What a picture of shares of light holds, where there is one.
     pub(super) fn shares(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -199,7 +199,7 @@ impl<'a> MpcdiFilling<'a> {
         }
     }
 
-    /// The light of black: what a map of it tells everywhere alike.
+    /// The light of black: what a map of it holds everywhere alike.
     pub(super) fn black(
         &mut self,
         (region, size): SizedRegion<'_>,
@@ -232,7 +232,7 @@ impl<'a> MpcdiFilling<'a> {
             }
             let origin = shortened(origin);
             let what = format!(
-                "{origin} does not tell where the eye is: foveal panels import FILE --eye-at X,Y,Z \
+                "{origin} does not say where the eye is: foveal panels import FILE --eye-at X,Y,Z \
                  does, in metres to the right of, above and behind the origin"
             );
             return Err(map.fault("originOf3DData", what));
@@ -243,7 +243,7 @@ impl<'a> MpcdiFilling<'a> {
             .find(|(name, _)| unit.eq_ignore_ascii_case(name));
         let length = length.map(|(_, length)| *length).ok_or_else(|| {
             let what = format!(
-                "{} is none of mm, cm, dm, m, in, ft, yd: export it with one",
+                "{} is not mm, cm, dm, m, in, ft or yd: export it with one",
                 shortened(unit)
             );
             map.fault("geometricUnit", what)

@@ -197,7 +197,7 @@ impl<'a> LitPoints<'a> {
         (nearness > 0.0).then(|| self.lens + way / nearness)
     }
 
-    /// Draws a triangle, as far as it lies before the lens; tells how many pixels it covers.
+    /// Draws a triangle, as far as it lies before the lens; returns how many pixels it covers.
     fn draw(&mut self, corners: &[DVec3; 3], nearest: f64) -> u64 {
         let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
         let far = normal.dot(corners[0]);

@@ -64,7 +64,7 @@ impl SpaceMap {
                 .filter(|it| it.is_finite())
         };
         let middle = lit().sum::<DVec3>().try_normalize();
-        let middle = middle.ok_or("tells of no point before the eye")?;
+        let middle = middle.ok_or("has no point before the eye")?;
         let (yaw, pitch) = yaw_pitch_from_direction(middle);
         let axes = Axes::from_yaw_pitch_roll(yaw, pitch, Radians(0.0));
         if let Some(worst) = lit().map(|it| it.dot(axes.forward)).min_by(f64::total_cmp)

@@ -177,7 +177,7 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The turn of a scan-out that a frustum can tell, and whether left is right besides.
+/// The turn of a scan-out that a frustum can express, and whether left is right besides.
 fn turn_of(scanout: Scanout) -> (Scanout, bool) {
     match scanout {
         Scanout::FlipX => (Scanout::Normal, true),
@@ -227,7 +227,7 @@ impl<'a> SentPanel<'a> {
         Ok(sent)
     }
 
-    /// Right and down of the axis; `None` beside or behind it.
+    /// Right and down of the axis; `None` at its side or behind it.
     fn tangent(&self, ray: DVec3) -> Option<[f64; 2]> {
         let depth = ray.dot(self.axes.forward);
         let [x, y] = [self.axes.right, self.axes.down].map(|it| ray.dot(it) / depth);
@@ -273,7 +273,7 @@ impl<'a> SentPanel<'a> {
         )
     }
 
-    /// Adds its files, and tells them.
+    /// Adds its files, and lists them.
     fn files(&self, fade: Option<(&Fades, usize)>, files: &mut Zipping) -> Result<String, String> {
         let id = escaped(&self.panel.id);
         let map = self.map_name();

@@ -1,4 +1,4 @@
-//! Is what fades told to other programs as pictures that share the light, and all else said?
+//! Are fades exported to other programs as pictures that share the light, and is all else said?
 
 use std::io::{Cursor, Read};
 

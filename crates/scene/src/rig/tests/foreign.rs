@@ -90,7 +90,7 @@ fn assert_comes_back(panels: &[&Panel], found: &SourceFit) {
         let off = apart(own, back, found);
         assert!(off < SAME, "{}: {off} pixels", own.id);
     }
-    // Of ours, too, with its maps beside it.
+    // Of ours, too, with its maps next to it.
     let files = write_rig(&back, "rig").unwrap();
     let beside = |name: &str| {
         let file = files.iter().find(|it| it.0 == name);
@@ -237,7 +237,7 @@ fn all_that_writers_disagree_in_is_read() {
         let found = read(&zipped(&[(name, text.as_bytes()), ("./a.pfm", &map)]));
         assert_eq!(found.as_ref(), Ok(&expected), "{text}");
     }
-    // Bare, with its map beside it.
+    // Bare, with its map next to it.
     let beside = |name: &str| {
         (name == "a.pfm")
             .then(|| map.clone())
@@ -284,7 +284,7 @@ fn maps_are_read_whichever_way_up_they_lie() {
         .ideal(&upright.view, [7.5, 5.5], 1)
         .unwrap();
     assert_eq!(first.place, last.place);
-    // Nothing is lit where a number is none.
+    // Nothing is lit where a number is invalid.
     let holed = of(warp(|line, column, pair| match (line, column) {
         (2, 3) => [f64::NAN; 2],
         _ => pair,
@@ -337,14 +337,14 @@ fn wrong_documents() -> [WrongDocument; 15] {
     let sound = document(FRUSTUM, "");
     [
         (sound.replace("MPCDI", "HTML"), &["line 2", "no MPCDI"]),
-        (sound.replace("\"3d\"", "\"4d\""), &["line 2", "none of"]),
+        (sound.replace("\"3d\"", "\"4d\""), &["line 2", "is not"]),
         (
             document("", ""),
-            &["line 4, region \"a\", frustum", "nothing tells"],
+            &["line 4, region \"a\", frustum", "is unknown"],
         ),
         (
             sound.replace("<roll>-3</roll>", ""),
-            &["line 4", "roll", "does not tell"],
+            &["line 4", "roll", "does not give"],
         ),
         (sound.replace(">20<", ">NaN<"), &["rightAngle", "no number"]),
         (

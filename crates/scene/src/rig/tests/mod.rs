@@ -65,7 +65,7 @@ fn every_example_is_read_and_has_the_panels_it_describes() {
     let corner = three.panels[0].corners()[0];
     let wanted = DVec3::new(-0.942194856, 0.3375, -0.561042648);
     assert!(corner.distance(wanted) < 1e-9, "{corner}");
-    // Twins stand beside what they mirror, before the other eye.
+    // Twins stand next to what they mirror, before the other eye.
     assert_eq!(three.panels[3].output.x, 2400);
     assert_eq!(three.panels[3].view.position.x, 0.0315);
     assert_eq!(three.seen_by(Some(Eye::Right)).len(), 3);

@@ -13,7 +13,7 @@ use foveal_scene::build::{BuildOptions, build as build_units};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Seconds of processors, where the system tells them, and by the clock.
+/// Seconds of processors, where the system reports them, and by the clock.
 fn seconds(work: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<[f64; 2]> {
     let (cpu, begun) = (cpu_seconds(), Instant::now());
     work()?;
@@ -30,7 +30,7 @@ pub(super) fn build(
 ) -> anyhow::Result<Vec<BenchRow>> {
     let Some(source) = &subject.source else {
         output::say(&format!(
-            "{}: a pack does not tell how it was built",
+            "{}: a pack does not record how it was built",
             subject.name
         ));
         return Ok(Vec::new());

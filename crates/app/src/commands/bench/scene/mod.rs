@@ -1,4 +1,4 @@
-//! What does a scene cost, beside what others take for the same mesh?
+//! What does a scene cost, compared with other programs on the same mesh?
 //!
 //! Each row measures one thing, ours and its baseline in turn in one run.
 

@@ -1,4 +1,4 @@
-//! What do the points of a cloud cost, beside LAZ?
+//! What do the points of a cloud cost, compared with LAZ?
 
 use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns, thread_ms_each};

@@ -8,7 +8,7 @@ use std::time::Instant;
 /// The smallest and the largest of some runs.
 type Range = [f64; 2];
 
-/// One thing that was measured, ours beside the baseline.
+/// One thing that was measured, ours and the baseline.
 #[derive(Debug, Serialize)]
 pub(super) struct BenchRow {
     /// Name of the file.
@@ -42,7 +42,7 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    /// One number that is the same in each run, beside another.
+    /// One number that is the same in each run, with its baseline.
     pub(super) fn once(ours: f64, baseline: Option<f64>) -> Self {
         Self {
             ours: vec![ours],

@@ -59,8 +59,8 @@ pub(super) struct PackAndOriginal {
 }
 
 impl Generated {
-    /// The clip and its pack under `cache`, made where they are not there: by default settings and calibrated, or
-    /// cut and coded as `system` did.
+    /// The clip and its pack under `cache`, made where they are not there: by default settings and
+    /// calibrated, or cut and coded as `system` did.
     pub(super) fn prepare(
         self,
         cache: &Path,

@@ -1,6 +1,6 @@
 //! Which target makes the foveated frames as good as those of a published rule?
 //!
-//! What a rule scores is measured, and so is what a target gives: what was foretold is off by some
+//! What a rule scores is measured, and so is what a target gives: what was predicted is off by some
 //! tenths of a JOD.
 
 use crate::commands::bench::video::arms::Published;

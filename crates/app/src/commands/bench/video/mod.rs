@@ -1,7 +1,7 @@
 //! How fast does foveated video play, against playing it whole?
 //!
 //! One pack, one pool of decoders, one gaze: the foveated frames, `viewport`, `full` and `coarsest`
-//! take turns in one run, with the original file's own decoder beside them. With `--preset` a
+//! take turns in one run, together with the original file's own decoder. With `--preset` a
 //! published system's rule takes turns as well, and the foveated frames are chosen for the score
 //! that it reaches.
 
@@ -40,7 +40,7 @@ pub(crate) struct VideoArgs {
     /// Play a drawn clip instead, made on first use and kept.
     #[arg(long, value_enum)]
     generate: Option<Generated>,
-    /// The file that the pack was made from, to be decoded beside it.
+    /// The file that the pack was made from, to be decoded for comparison.
     #[arg(long, value_name = "FILE", requires = "pack")]
     original: Option<PathBuf>,
     /// Where drawn clips are kept (default: the user's folder for caches).

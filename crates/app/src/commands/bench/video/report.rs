@@ -59,7 +59,7 @@ pub(super) struct Report {
     pub(super) gpu_share: f64,
 }
 
-/// Figures of another setting beside the foveated ones.
+/// Figures of another setting next to the foveated ones.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct Before {
     pub(super) slope: f64,

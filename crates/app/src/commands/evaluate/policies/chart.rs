@@ -28,7 +28,7 @@ const STYLE: &str = "text{font:12px system-ui,sans-serif;fill:#4a5058}.title{fon
     font-weight:600;fill:#22262b}.grid{stroke:#e3e5e8}.curve{fill:none;stroke-width:2;\
     stroke-linejoin:round}.step{font-size:10px;paint-order:stroke;stroke:#fff;stroke-width:3px}";
 
-/// Colours that most colour-blind eyes tell apart (Okabe and Ito), by how the name of a curve
+/// Colours that most colour-blind eyes distinguish (Okabe and Ito), by how the name of a curve
 /// begins; the first that fits.
 const COLOURS: [(&str, &str); 8] = [
     ("full", "#22262b"),

@@ -1,7 +1,8 @@
 //! What does every policy take on one pack, and what is its score?
 //!
-//! No saving is told without its score: all play the same frames over the same gaze, and one judge
-//! compares what each shows with every finest tile, and with the video that the pack was made from.
+//! No saving is reported without its score: all play the same frames over the same gaze, and one
+//! judge compares what each shows with every finest tile, and with the video that the pack was made
+//! from.
 
 mod chart;
 mod contenders;

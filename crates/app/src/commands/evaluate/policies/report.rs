@@ -22,7 +22,7 @@ pub(super) struct PoliciesReport {
     pub(super) mode: Mode,
     #[serde(flatten)]
     pub(super) conditions: ScoreConditions,
-    /// Of the first second, those that the figures beside are of, and all.
+    /// Frames of the first second, those that the figures cover, and all.
     pub(super) start_frames: u32,
     pub(super) frames: u32,
     pub(super) played_frames: u32,

@@ -15,7 +15,7 @@ const INK: [u8; 4] = [48, 52, 58, 255];
 
 /// A bar of colours.
 pub(super) struct Legend<'a> {
-    /// What is told, in capitals.
+    /// Its text, in capitals.
     pub(super) caption: &'a str,
     /// Words, each at a share of the bar from 0 to 1.
     pub(super) ticks: &'a [(&'a str, f64)],

@@ -59,7 +59,7 @@ pub(crate) struct WarpArgs {
     /// (default: as many pixels as are needed).
     #[arg(long, value_name = "WxH|FILE")]
     pub(super) source: Option<String>,
-    /// Also draw each panel of a world directly, compare, and write both beside each other to
+    /// Also draw each panel of a world directly, compare, and write both side by side to
     /// DIR/compare: there without fades, gain and black, which the pictures that are sent keep.
     #[arg(long)]
     pub(super) compare: bool,
@@ -113,7 +113,7 @@ impl WarpArgs {
         }
         if self.distance.is_some() && self.stereo != StereoName::Mono {
             bail!(WrongUsage(
-                "--distance: each eye has its own picture, which tells how far things are; leave \
+                "--distance: each eye has its own picture, which shows how far things are; leave \
                  --stereo or --distance"
                     .to_owned()
             ));

@@ -73,7 +73,7 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<Poli
             Some(_) => Policy::Perceptual,
         },
         (false, _) => Policy::Viewport,
-        // Nothing tells the score of a scene, so what buys by worth would buy all of it.
+        // The score of a scene is unknown, so a policy that buys by worth would buy all of it.
         (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
         (true, LivePack::Scene(_)) => Policy::Eccentricity,
     };

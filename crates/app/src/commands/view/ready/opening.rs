@@ -17,7 +17,7 @@ use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::{Fullscreen, Window};
 
-/// Pixels of a screen whose size nobody tells.
+/// Screen size assumed when none is reported.
 pub(in crate::commands::view) const USUAL_SCREEN: [u32; 2] = [1920, 1080];
 
 /// A window of `--view` pixels, or as large as the screen allows for a picture of `size`.
@@ -47,7 +47,7 @@ pub(in crate::commands::view) fn open_window(
     })?))
 }
 
-/// The policy, or what stands in for it where a pack does not tell what its units add; for what is
+/// The policy, or what stands in for it where a pack has no signatures; for what is
 /// to spend a link nothing can.
 pub(in crate::commands::view) fn usable(
     file: &PackFile,
@@ -69,7 +69,7 @@ pub(in crate::commands::view) fn usable(
     )
 }
 
-/// The device that plays these samples; one that cannot be had is told of.
+/// The device that plays these samples; one that cannot be opened is reported.
 pub(in crate::commands::view) fn open_sound(samples: Samples, length: Seconds) -> Option<Sound> {
     let quiet = |error: anyhow::Error| say(&format!("warning: {error}; no sound"));
     Sound::open(samples, length).map_err(quiet).ok()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 /// Most screenshots of one frame of a pack.
 const MOST: u32 = 10_000;
 
-/// A name that is free, after the pack and the frame, beside the pack or in `folder`.
+/// A name that is free, after the pack and the frame, next to the pack or in `folder`.
 pub(crate) fn free_path(pack: &Path, folder: Option<&Path>, frame: u32) -> PathBuf {
     let beside = pack.parent().unwrap_or(Path::new("."));
     let folder = folder.unwrap_or(beside);

@@ -6,7 +6,7 @@ use foveal_core::units::Seconds;
 const MESSAGE_S: f64 = 3.0;
 /// What is said at the beginning, and for how many seconds.
 const HINT: (&str, f64) = ("H: keys", 5.0);
-/// How often figures are painted anew, in seconds.
+/// How often figures are repainted, in seconds.
 const FIGURES_S: f64 = 0.25;
 
 /// A page of the overlay.

@@ -2,7 +2,7 @@
 
 use foveal_core::units::Seconds;
 
-/// Milliseconds that are told apart; more count as the most.
+/// Milliseconds that are distinguished; more count as the most.
 const MOST_MS: usize = 2000;
 
 /// Distances of frames on screen from what was heard then.

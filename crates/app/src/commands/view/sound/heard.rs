@@ -1,6 +1,6 @@
 //! Which moment of the content is heard now, by a device's noisy time stamps?
 //!
-//! A device takes sound in bursts and tells only roughly when each is heard; the sound itself
+//! A device takes sound in bursts and reports only roughly when each is heard; the sound itself
 //! leaves it evenly. So the stamps are one line with noise round it, and the line is what is heard.
 
 /// Share of a stamp's distance from the line that it moves the line by.
@@ -16,13 +16,13 @@ const MOST_ELSEWHERE: u32 = 3;
 const AT_ONCE_S: f64 = 3.0;
 /// How much faster than it is heard a device may take sound after that: clocks differ by far less.
 const MOST_RATE: f64 = 1.2;
-/// How long it is looked at to tell, in seconds.
+/// How long it is observed to decide, in seconds.
 const LOOK_S: f64 = 0.1;
 /// How much faster than it is heard it takes sound in that time, at most, once its memory is full.
 const MOST_SATED_RATE: f64 = 1.5;
 
-/// What a device has taken. One that throws sound away takes it as fast as it comes, and tells
-/// nothing of when anything is heard.
+/// What a device has taken. One that throws sound away takes it as fast as it comes, and does
+/// not say when anything is heard.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Appetite {
     opened: f64,

@@ -1,4 +1,4 @@
-//! What does whoever sits before a window do with it, by hand or by a script?
+//! How is window input handled, live or scripted?
 
 use super::Open;
 use crate::commands::view::keys::action_of;
@@ -15,7 +15,7 @@ use winit::window::Fullscreen;
 
 /// Pixels of a touchpad that are a step of a wheel.
 const WHEEL_PIXELS: f64 = 60.0;
-/// How long a window may take to become as large as it was told, in seconds.
+/// How long a window may take to resize when asked, in seconds.
 const RESIZE_S: f64 = 1.0;
 
 impl Open {
@@ -83,7 +83,7 @@ impl Open {
         self.steer(steering.hurried(is_held), now);
     }
 
-    /// Nobody holds a key of a window that others lie over.
+    /// A window behind others has no key held.
     fn let_go(&mut self, now: Seconds) {
         self.steer(Steering::default(), now);
         self.player.hold_saccade(false, now);

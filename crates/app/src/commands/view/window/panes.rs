@@ -221,7 +221,7 @@ fn bent_by(panel: &Panel, sent: [f64; 2]) -> [f64; 2] {
     [moved.x, moved.y]
 }
 
-/// A view of which every place shows what lies so many pixels beside it.
+/// A view of which every place shows what lies so many pixels away.
 fn moved(view: &EyeView, [x, y]: [f64; 2]) -> EyeView {
     let f = view.field;
     let x = x * (f.left + f.right) / f64::from(view.size[0]);

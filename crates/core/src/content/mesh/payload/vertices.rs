@@ -34,7 +34,7 @@ enum Name {
     Again(i16),
 }
 
-/// What names are told from.
+/// What names are decoded from.
 struct Names {
     /// Number of vertices that stay.
     staying: u16,
@@ -153,9 +153,9 @@ fn read_name(reader: &mut BitReader<'_>, [staying, again]: [u32; 2]) -> Name {
     }
 }
 
-/// From which earlier new vertices each new one is told: the sum of the first two less the third.
+/// From which earlier new vertices each is predicted: the sum of the first two less the third.
 ///
-/// By default from the one before. Where the first triangle that has it has others that are told,
+/// By default from the one before. Where the first triangle that has it has others already known,
 /// from these; where both others are, and the triangle before shares them, as a parallelogram
 /// (Touma and Gotsman 1998, "Triangle mesh compression").
 fn predictors(clusters: &[Cluster], [staying, new]: [u16; 2]) -> Vec<[u16; 3]> {
@@ -165,7 +165,7 @@ fn predictors(clusters: &[Cluster], [staying, new]: [u16; 2]) -> Vec<[u16; 3]> {
         let first = first_triangles(&cluster.triangles);
         for (at, vertex) in (0..).zip(&cluster.vertices) {
             let vertex = vertex.wrapping_sub(staying);
-            // The first cluster that has a vertex tells it.
+            // The first cluster that has a vertex stores it.
             let Some(is_told) = is_told.get_mut(usize::from(vertex)) else {
                 continue;
             };

@@ -1,8 +1,8 @@
 //! How are colours written?
 //!
-//! Each code is told as what is added to that of the point before, from 0: a list of all greens,
+//! Each code is written as its difference from the point before, from 0: a list of all greens,
 //! then one of all reds and one of all blues, each less what is added to green. Corrections are
-//! told as they are, in the same three lists.
+//! written as they are, in the same three lists.
 
 use crate::content::points::cloud_point::{CloudPoint, Correction, wrong};
 use crate::content::points::lengths::{

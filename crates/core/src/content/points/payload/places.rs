@@ -1,7 +1,7 @@
-//! How is it written where points lie?
+//! How are the places of points written?
 //!
-//! Points come along a curve through their cube (Morton 1966), or along one through a plane of two
-//! axes, beside which they lie as far as the third coordinate says: whichever takes fewer bits.
+//! Points are sorted along a curve through their cube (Morton 1966), or along one through a plane
+//! of two axes, with the third coordinate apart: whichever takes fewer bits.
 //!
 //! 1. Through space: the high bits of each coordinate, from the cube's corner, at most 21, make a
 //!    number: bit `n` of x, y and z is its bit `3 n`, `3 n + 1` and `3 n + 2`. A list of what is
@@ -50,7 +50,7 @@ impl Order {
         Self::ALL.into_iter().find(|it| *it as u8 == number)
     }
 
-    /// The axes that a curve goes by, and the one beside.
+    /// The axes that a curve goes by, and the remaining one.
     fn axes(self) -> ([usize; 2], usize) {
         match self {
             Self::Space | Self::BesideZ => ([0, 1], 2),
@@ -243,7 +243,7 @@ fn read_along_space(
     Ok(numbers.are_below(3 * curve.high))
 }
 
-/// The same along a plane, and beside it.
+/// The same along a plane, and along the third axis.
 fn read_along_plane(
     points: &mut [CloudPoint],
     curve: &Curve,

@@ -89,7 +89,7 @@ fn a_thousand_points_on_a_flat_ground_take_few_bits() {
         ..PointUnit::default()
     };
     let bytes = unit.write(PointAttributes::default()).unwrap().len();
-    // Cells of 2^13 places for each, of which the order need not be told, and three bits of height.
+    // Cells of 2^13 places for each, whose order need not be stored, and three bits of height.
     assert!(bytes * 8 < 8000 * 19, "{} bits", bytes * 8 / 8000);
 }
 

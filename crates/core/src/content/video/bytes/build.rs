@@ -91,8 +91,8 @@ pub fn with_loss(head: PackHead, loss: Loss) -> Result<PackHead, PackError> {
 }
 
 /// The same pack with a calibration behind all other tables, which only a finished pack can be
-/// judged for, in the place of an older one. Of an older one's bytes the head tells nothing any
-/// more: write the new one's, which end the tail, over them.
+/// judged for, in the place of an older one. The head no longer mentions an older one's
+/// bytes: write the new one's, which end the tail, over them.
 ///
 /// # Errors
 /// The older one does not lie behind all other tables, or the description has no room.

@@ -17,12 +17,12 @@ const HEAD_BYTES: usize = 8;
 const ROW_BYTES: usize = 32;
 /// Two rules, four parts of the picture, eight densities and sixteen bounds.
 const MOST_ROWS: usize = 2 * (1 + ZONES) * 8 * 16;
-/// Scores are told in hundredths.
+/// Scores are stored in hundredths.
 const HUNDREDTHS: f64 = 100.0;
 
 impl Calibration {
     /// The calibration in the bytes of the side table. Refuses another version, another length than
-    /// the head tells and rows that are no calibration.
+    /// the head says, and rows that are no calibration.
     pub fn parse(version: u32, bytes: &[u8]) -> Result<Self, PackError> {
         let refused = |found: String, expected: &str| {
             PackError::new(
@@ -77,7 +77,7 @@ impl Calibration {
 }
 
 impl CalibrationRow {
-    /// The row as the table tells it: scores in hundredths, other numbers in single precision.
+    /// The row as the table stores it: scores in hundredths, other numbers in single precision.
     #[must_use]
     pub fn as_told(&self) -> Self {
         let mut bytes = Vec::with_capacity(ROW_BYTES);

@@ -74,10 +74,10 @@ pub struct Description {
     pub colour: Colour,
     /// What the pack was made from.
     pub source: Source,
-    /// Tells whether the same preparation would make this pack again; absent where nobody asked.
+    /// Identifies the preparation that made this pack; absent where it was not recorded.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub identity: Option<Identity>,
-    /// What preparing lost; absent where nobody measured.
+    /// What preparing lost; absent where it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loss: Option<Loss>,
     /// How long the last frame is shown, in seconds; a period of the frame rate if absent.
@@ -94,7 +94,7 @@ pub struct Description {
     pub tables: Vec<TableEntry>,
 }
 
-/// The finest level beside the source, each in the same views.
+/// The finest level compared with the source, each in the same views.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loss {
     /// Peak signal to noise over red, green and blue of all views, decibels; none where no pixel
@@ -140,7 +140,7 @@ pub struct Source {
 /// Longest time that a last frame may be shown, in seconds: a day.
 const LONGEST_LAST_S: f64 = 86_400.0;
 
-/// Most decibels that are told: more than a picture of 16K has where one code differs by one.
+/// Most decibels that are stored: more than a picture of 16K has where one code differs by one.
 const MOST_DECIBELS: f64 = 150.0;
 
 impl Loss {

@@ -1,8 +1,8 @@
 //! Does decoding a tile begin with this access unit?
 //!
-//! Only what tells a key frame from others is read; the decoder judges the rest. Decoders do not
-//! all say so themselves: FFmpeg's H.264 decoder takes a delta after a flush without an error and
-//! gives no picture.
+//! Only what distinguishes a key frame from others is read; the decoder judges the rest. Decoders
+//! do not all say so themselves: FFmpeg's H.264 decoder takes a delta after a flush without an
+//! error and gives no picture.
 
 use crate::content::video::bytes::codec::Codec;
 

@@ -1,7 +1,7 @@
 //! What must a reader understand to show a pack rightly?
 //!
 //! A reader passes over fields that it does not know. Where that would show a wrong picture, the
-//! description lists the field in `needs`, and whoever does not know it refuses the pack.
+//! description lists the field in `needs`, and a reader that does not know it refuses the pack.
 
 use crate::pack::PackError;
 use serde::Deserialize;

@@ -10,8 +10,8 @@ use crate::units::counted;
 
 /// Name of the side table.
 pub const SIGNATURES: &str = "signatures";
-/// Version of its layout and meaning. Version 1 had no norms; 1 and 2 told of the first picture of
-/// a unit before it was coded. Both are read.
+/// Version of its layout and meaning. Version 1 had no norms; 1 and 2 described the first picture
+/// of a unit before it was coded. Both are read.
 pub const SIGNATURES_VERSION: u32 = 3;
 
 /// The first version that was measured on decoded pictures.
@@ -23,7 +23,7 @@ pub struct Signatures {
     rows: Vec<u8>,
     /// Bytes of a row: version 1 has shorter ones.
     row: usize,
-    /// Whether they tell of decoded pictures of both levels, and so of the noise of coding.
+    /// Whether they describe decoded pictures of both levels, and so of the noise of coding.
     tell_of_noise: bool,
     /// The first unit that has one: those of the coarsest level refine nothing.
     first: u32,
@@ -57,7 +57,7 @@ impl Signatures {
         })
     }
 
-    /// Whether they tell of the noise of coding.
+    /// Whether they include the noise of coding.
     #[must_use]
     pub fn tell_of_noise(&self) -> bool {
         self.tell_of_noise

@@ -293,7 +293,7 @@ fn what_a_later_foveal_writes_is_refused_with_what_to_do() {
     bytes[8..12].copy_from_slice(&0_u32.to_le_bytes());
     let error = Header::parse(&bytes).unwrap_err().to_string();
     assert!(!error.contains("update foveal"), "{error}");
-    // What is needed is told even where the rest has another form.
+    // What is needed is reported even where the rest has another form.
     let later = br#"{"needs": ["eyes", "depth"], "projection": "lightfield"}"#;
     let error = Description::parse(later).unwrap_err().to_string();
     assert!(error.contains("description.needs: found depth"), "{error}");

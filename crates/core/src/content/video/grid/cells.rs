@@ -1,4 +1,4 @@
-//! How coarse may a cell be before somebody could tell?
+//! How coarse may a cell be before a viewer could notice?
 //!
 //! The answer is a footprint: the level-0 pixels that one shown texel may span. A level is allowed
 //! where its footprint is allowed everywhere in the cell.
@@ -103,7 +103,7 @@ impl CellBounds {
     }
 
     /// How much nearer to the gaze another probe can be than the one called nearest: cosines of
-    /// small angles are told apart no better.
+    /// small angles cannot be distinguished any better.
     pub(crate) const NEAREST_WITHIN: Radians = Radians(1e-7);
 
     /// The place of those probed that is nearest to the gaze.

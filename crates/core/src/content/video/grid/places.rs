@@ -122,12 +122,12 @@ pub(crate) struct Sighted<'a> {
 }
 
 impl<'a> Sighted<'a> {
-    /// What is in view; what is beside it has no worth.
+    /// What is in view; what is outside has no worth.
     pub(crate) fn new(glance: &'a Glance) -> Self {
         Self::up_to(glance, Radians(0.0))
     }
 
-    /// What is in view, or at most a margin beside it.
+    /// What is in view, or at most a margin outside it.
     pub(crate) fn up_to(glance: &'a Glance, margin: Radians) -> Self {
         let view = glance.view.as_ref();
         Self {

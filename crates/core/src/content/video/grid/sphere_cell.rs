@@ -56,7 +56,7 @@ impl SphereCell {
         ]
     }
 
-    /// The radius round its middle that its corners do not tell: half a turn where it is wider than
+    /// The radius round its middle that its corners do not show: half a turn where it is wider than
     /// that, as then its farthest place need be no corner, else 0.
     pub(crate) fn least_radius(&self) -> f64 {
         let is_wide = self.yaws[1] - self.yaws[0] > PI;

@@ -300,7 +300,7 @@ impl TileGrid {
         self.tile_size(first)
     }
 
-    /// How far beside a coarsest cell the picture is coarser than its own level, at most: a view
+    /// How far outside a coarsest cell the picture is coarser than its own level, at most: a view
     /// that is to be sharp to its borders needs as much beyond them.
     #[must_use]
     pub fn fade(&self) -> Radians {

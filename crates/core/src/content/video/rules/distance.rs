@@ -18,7 +18,7 @@ use glam::DVec3;
 /// Halvings of the half circle that a threshold is searched in: to 1e-9 of a degree.
 const HALVINGS: u32 = 38;
 
-/// Angle by which a place may come out beside itself, in radians: borders count as inside.
+/// Angle by which rounding may move a place, in radians: borders count as inside.
 const ROUNDING: f64 = 1e-9;
 
 /// For every level but the coarsest the distance up to which it is wanted: beyond the n-th angle a
@@ -83,7 +83,7 @@ pub(crate) fn distance_levels(
     })
 }
 
-/// Whether any place of a cell may be in view: a probe is, or lies no farther beside the view than
+/// Whether any place of a cell may be in view: a probe is, or lies no farther outside the view than
 /// the next probe.
 fn is_seen(grid: &TileGrid, bounds: &CellBounds, view: &EyeView, gaze: DVec3) -> bool {
     let sight = Frustum::new(view, bounds.probe_spacing());
@@ -103,7 +103,7 @@ fn distance_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
 }
 
 /// Angle between a direction and the nearest place of a cell in the plane of its face, seen from
-/// ahead of that face; 0 inside, borders included, and half a turn from beside or behind the face.
+/// ahead of that face; 0 inside, borders included, and half a turn from the side or behind.
 /// Of an equirectangular picture, the nearest place on the sphere.
 pub(crate) fn angle_to_cell(grid: &TileGrid, cell: Tile, direction: DVec3) -> Radians {
     let surface = &grid.surface;

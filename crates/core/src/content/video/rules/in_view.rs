@@ -147,7 +147,7 @@ const ROUNDING: f64 = 1e-7;
 /// No place between these has fewer level-0 pixels under a pixel of the display.
 ///
 /// Densities of a face and of a picture are those of two planes, whose ratio is linear along the
-/// face: least at a corner. Beside the picture its density counts as at its border, and is less.
+/// face: least at a corner. Outside the picture its density counts as at its border, and is less.
 fn least_footprint(view: &EyeView, corners: &[Probe; 4]) -> f64 {
     let on_plane = |probe: &Probe| {
         let depth = probe.direction.dot(view.axes.forward);

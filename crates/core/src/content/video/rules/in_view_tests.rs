@@ -23,7 +23,7 @@ fn one_of(random: &mut Random, count: usize) -> usize {
     (random.unit() * count as f64) as usize % count
 }
 
-/// Views that fill, magnify, shrink, turn away from and lie beside the content.
+/// Views that fill, magnify, shrink, turn away from and miss the content.
 fn views(surface: &Surface, random: &mut Random) -> Vec<EyeView> {
     let mut views: Vec<EyeView> = [1, 2, 5, 8]
         .map(|scale| EyeView::filling(surface, surface.size.map(|side| side / scale)))
@@ -139,7 +139,7 @@ fn what_a_window_magnifies_is_as_fine_as_the_eye_tells_to_its_borders() {
         ..PolicyConfig::new(Policy::Acuity)
     };
     let selector = Rules::new(grid, config);
-    // 33 pixels beside the border between two columns of tiles, 88 pixels across.
+    // 33 pixels from the border between two columns of tiles, 88 pixels across.
     let tangent = |x: f64| (x / 640.0 - 1.0) * surface.tangents[0];
     let field = Field {
         left: -tangent(545.0),

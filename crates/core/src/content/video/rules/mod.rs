@@ -67,7 +67,7 @@ pub struct Rules {
     config: PolicyConfig,
     cells: Vec<CellBounds>,
     thresholds: Vec<Radians>,
-    /// How far beside the view `acuity` looks because the head may turn there while the eye stays.
+    /// How far outside the view `acuity` looks, as the head may turn there while the eye stays.
     head_room: Radians,
 }
 
@@ -120,7 +120,7 @@ impl Rules {
         self.select_of(None, 0, glance)
     }
 
-    /// [`Self::select`] for a frame of content, whose cues tell which cells are noisy.
+    /// [`Self::select`] for a frame of content, whose cues say which cells are noisy.
     ///
     /// # Panics
     /// `viewport` needs a view, and a noise threshold content with cues.
@@ -170,7 +170,7 @@ impl Rules {
         }
     }
 
-    /// The selector of a viewer who may look up to `slack` beside where the gaze is: its levels are
+    /// The selector of a viewer who may look up to `slack` away from the gaze: its levels are
     /// as fine or finer. What `acuity` makes of it, it takes from the glance's spread.
     pub(crate) fn loosened(&self, slack: Radians) -> Self {
         let wider = |angle: Radians| Radians(angle.0 + slack.0);
@@ -295,11 +295,11 @@ impl Rules {
         level_of_footprint(&self.grid, footprint.max(self.display_limit(glance, probe)))
     }
 
-    /// Level-0 pixels that a texel may span at a place before this eye could tell: the density of
+    /// Level-0 pixels that a texel may span at a place before this eye could notice: the density of
     /// the content over twice the highest frequency that is resolved there.
     ///
-    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: whoever is off
-    /// by that much still sees no coarser texel than the model allows.
+    /// Eccentricity counts from the edge of the safety disc and the gaze's spread: an eye that is
+    /// off by that much still sees no coarser texel than the model allows.
     fn acuity_footprint(&self, glance: &Glance, probe: &Probe) -> f64 {
         let Some([gaze, direction]) = glance.seen([glance.gaze.gaze_in_content, probe.direction])
         else {
@@ -349,7 +349,7 @@ impl Rules {
 }
 
 /// Mean variance of red, green and blue of a cell over the group of a frame, in squared code
-/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues tell its root.
+/// values: the variance determinant of Kastner 2016, section 4.2.1. Cues hold its root.
 fn rgb_variance(content: Option<&dyn VideoUnits>, cell: Tile, frame: u32) -> f64 {
     let cues = content.and_then(|content| content.cues(content.unit(cell, frame)));
     assert!(cues.is_some(), "a noise threshold was given no cues");

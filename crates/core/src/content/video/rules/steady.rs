@@ -35,7 +35,7 @@ pub struct SteadySelector {
 struct Shown {
     levels: LevelMap,
     anchor: Glance,
-    /// Room beside that view for a head that turns; it never shrinks while the gaze stays.
+    /// Room around that view for a head that turns; it never shrinks while the gaze stays.
     room: Radians,
     /// The glance that it was chosen for, where nothing else counts.
     chosen_for: Option<Glance>,
@@ -154,7 +154,7 @@ impl SteadySelector {
     }
 
     /// The glance whose view levels are chosen through, that of before while the gaze stays, and
-    /// the room beside it.
+    /// the room around it.
     fn anchor(&self, glance: &Glance) -> (Glance, Radians) {
         if !self.keeps_view {
             return (*glance, Radians(0.0));
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn a_head_that_nods_far_changes_no_level_in_view_and_after_the_first_nod_none_at_all() {
-        // An eye that resolves much beside where it looks, so that what comes into view is not as
+        // An eye that resolves much away from its gaze, so that what comes into view is not as
         // coarse as what does not.
         let config = PolicyConfig {
             acuity: AcuityModel::linear(0.004),
@@ -305,7 +305,7 @@ mod tests {
         }
         assert!(
             changes_beyond > 0,
-            "nothing was kept coarse beside the view"
+            "nothing was kept coarse outside the view"
         );
     }
 

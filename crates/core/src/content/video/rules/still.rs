@@ -12,14 +12,14 @@ use crate::view::eye_view::EyeView;
 /// How far the head may turn under a steady eye before levels are chosen for where it points, in
 /// degrees: the eye turns about as far in the head before the head follows it.
 const MOST_TURNED_DEG: f64 = 30.0;
-/// Room that is kept beside the view for a head that turns grows in steps of so many degrees, as
+/// Room that is kept around the view for a head that turns grows in steps of so many degrees, as
 /// far as the head turns. The first is the margin of `viewport`.
 const ROOM_STEP_DEG: f64 = 10.0;
 /// Room beyond where the head is, in degrees: what a head that turns by 60° a second reaches before
 /// the next frame but one.
 const LEAD_DEG: f64 = 2.0;
 
-/// How much room beside the view from which levels were chosen serves a head that has turned to
+/// How much room around the view from which levels were chosen serves a head that has turned to
 /// another; none where the picture does not turn with the head.
 pub(super) fn head_room(grid: &TileGrid, was: &Glance, is: &Glance) -> Radians {
     if !turns_with_head(grid, was) {

@@ -33,7 +33,7 @@ const SLOPE_STEPS: f64 = 2.0;
 const LEAST_LOST: f64 = 0.5;
 /// A cell becomes coarser when it would lose less than this share of what it may lose.
 const COARSER_BELOW: f64 = 0.7;
-/// How far gaze and spread may go before a slope is looked for anew, in degrees: the fovea's
+/// How far gaze and spread may go before a slope is searched for again, in degrees: the fovea's
 /// radius. Levels follow the eye at every glance; only the slope waits.
 const SLOPE_ANEW_DEG: f64 = 2.5;
 /// How far the head may turn until then: a seventh of a view that is 100° wide is another.
@@ -73,7 +73,7 @@ pub struct TargetSelector {
 #[derive(Clone, Debug)]
 struct Chosen {
     glance: Glance,
-    /// Room beside its view for a head that turns.
+    /// Room around its view for a head that turns.
     room: Radians,
     /// A unit of the group that it was chosen for.
     group: UnitId,
@@ -287,9 +287,9 @@ impl TargetSelector {
         })
     }
 
-    /// The largest of `count` steps at which the score is expected to be kept, or where expectations
-    /// are measured the next one if its score is nearer to the target; that of before as long as it
-    /// is good enough.
+    /// The largest of `count` steps at which the score is expected to be kept, or where
+    /// expectations are measured the next one if its score is nearer to the target; that of before
+    /// as long as it is good enough.
     fn nearest(
         &self,
         (count, is_measured): (u32, bool),

@@ -11,7 +11,7 @@ use crate::perception::glance::Glance;
 use crate::view::frustum::Frustum;
 
 impl Rules {
-    /// What the eye could tell, and the view shows.
+    /// What the eye could notice, and the view shows.
     pub(super) fn acuity(
         &self,
         glance: &Glance,
@@ -68,7 +68,7 @@ impl Rules {
         levels
     }
 
-    /// Whether nothing of a row of cells of one face is in sight, and nothing of it is exempt;
+    /// Whether no part of a row of cells of one face is in sight, and none of it is exempt;
     /// false where that is not sure, as of a row that goes all around.
     fn is_row_beyond(&self, row: &[CellBounds], sight: &Frustum) -> bool {
         if !self.grid.surface.is_of_planes() {

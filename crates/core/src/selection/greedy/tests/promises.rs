@@ -242,7 +242,7 @@ fn uniform_raises_what_is_visible_evenly_whatever_it_is_worth() {
 
 #[test]
 fn eccentricity_is_the_same_order_over_acuity_plus_pedestal() {
-    // One value for every level of a unit, as no content tells them apart.
+    // One value for every level of a unit, as no content distinguishes them.
     let acuity_and_pedestal = [12.0, 30.0, 4.0];
     let units: Vec<Made> = acuity_and_pedestal
         .iter()

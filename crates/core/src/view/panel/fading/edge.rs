@@ -121,7 +121,7 @@ impl<'a> LitPanel<'a> {
         at < self.cells[axis] && self.is_lit(beside)
     }
 
-    /// The direction of a place by what its cell, which is lit, tells.
+    /// The direction of a place from its cell, which is lit.
     fn direction_in(&self, cell: [usize; 2], place: [f64; 2]) -> DVec3 {
         let [x, y] = [0, 1].map(|k| place[k] / self.cell[k] - cell[k] as f64);
         let node = |dx: usize, dy: usize| self.node([cell[0] + dx, cell[1] + dy]);

@@ -17,7 +17,7 @@ const MOST_ACROSS: f64 = 512.0;
 /// Nodes beyond the lit part, and how many steps off an edge still counts.
 const MARGIN: f64 = 2.0;
 const NEAR: f64 = 4.0;
-/// How many steps beside the lit part a node is at most that what is linear there reads.
+/// How many steps off the lit part a node may be that linear interpolation there reads.
 const NEXT: f64 = 1.5;
 /// A part of a chart of so many nodes on a side is not divided further.
 const SMALLEST_PART: usize = 8;
@@ -49,7 +49,7 @@ pub struct FadeField {
     most: [f64; 2],
     /// Radians of the fade.
     width: f64,
-    /// Nodes beside the lit part, until it is known which edges are covered.
+    /// Nodes off the lit part, until it is known which edges are covered.
     beside: Vec<NodeBeside>,
 }
 
@@ -316,7 +316,7 @@ fn signed_angle(pieces: &[EdgePiece], from: DVec3) -> f64 {
 }
 
 /// The nearest of pieces, with what [`EdgePiece::reached`] says of it. Where two are equally near,
-/// at the corner between them, that one tells the side whose plane is farther off.
+/// at the corner between them, that one decides the side whose plane is farther off.
 fn nearest(pieces: &[EdgePiece], from: DVec3) -> Option<(&EdgePiece, [f64; 2])> {
     let all = pieces.iter().map(|it| (it, it.reached(from)));
     all.reduce(|best, it| {

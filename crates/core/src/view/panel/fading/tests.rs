@@ -76,7 +76,7 @@ impl Shown {
     }
 
     /// How far from one the shares of all panels are that look at what one of them shows; not at
-    /// most a pixel beside an edge, where half a pixel counts.
+    /// most a pixel off an edge, where half a pixel counts.
     fn off(&self) -> f64 {
         let sampled: Vec<PanelSamples<'_>> = self
             .panels

@@ -11,7 +11,7 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 const WORTH_TILTING: f64 = 0.9;
 /// Sine of the elevation (60°) up to which a source follows the panels' axis.
 const STEEPEST: f64 = 0.866;
-/// A ring of azimuths with a smaller gap (3°) is taken for all of them.
+/// A ring of azimuths with a smaller gap (3°) counts as all of them.
 const SMALLEST_GAP: f64 = 0.052;
 
 /// The placement of a projection round the panels with the fewest pixels; `None` where it has no

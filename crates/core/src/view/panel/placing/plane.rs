@@ -50,7 +50,7 @@ fn outermost(rays: &[DVec3], axis: DVec3) -> Option<Vec<DVec3>> {
 }
 
 /// The smallest singular value over all panels, in the placement's own units a pixel; `None` where
-/// some pixel looks beside it.
+/// some pixel looks past it.
 pub(in super::super) fn least_sigma(
     all: &[PanelSamples<'_>],
     placement: &Placement,

@@ -255,7 +255,7 @@ fn grids_that_panels_are_drawn_by_follow_their_distortion() {
             distortion,
             ..panel("a", axes(0.3, 0.1, 0.0), [1.0, 0.75], [80, 60])
         };
-        // What is seen of a sphere beside the panel is what its pixels cover of it.
+        // What is seen of a sphere outside the panel is what its pixels cover of it.
         let found = fit(&[&panel], PlacementRule::Equirect, Some([640, 480])).unwrap();
         let Some(drawn) = DrawnGrid::of(&panel, &found.placement) else {
             assert!(panel.distortion.is_none());

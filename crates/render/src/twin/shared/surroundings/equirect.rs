@@ -248,7 +248,7 @@ mod tests {
                 .iter()
                 .fold(0.0f32, |most, it| most.max((it - all[0]).abs()));
             assert!(spread <= 1e-3 + depth * 4.0, "{depth}: {spread}");
-            assert!(all[0] > 15.0, "the columns beside are coarse");
+            assert!(all[0] > 15.0, "the neighbouring columns are coarse");
         }
     }
 }

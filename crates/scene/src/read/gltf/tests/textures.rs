@@ -34,7 +34,7 @@ fn square(texture: serde_json::Value) -> Made {
 
 fn read_beside(made: &Made) -> SourceScene {
     let files = [
-        ("b/a b.png", b"beside".to_vec()),
+        ("b/a b.png", b"nearby".to_vec()),
         ("all.bin", made.binary.clone()),
     ];
     read(
@@ -61,7 +61,7 @@ fn pictures_in_the_file_and_beside_it_are_read_once() {
     let beside = read_beside(&made);
     assert_eq!(
         (beside.images.len(), &*beside.images[0].bytes),
-        (1, &b"beside"[..])
+        (1, &b"nearby"[..])
     );
     assert_eq!(beside.materials[1].texture.unwrap().wrap, [Wrap::Repeat; 2]);
     assert!(beside.repairs.is_empty() && beside.remarks.is_empty());

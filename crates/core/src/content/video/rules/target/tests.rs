@@ -207,7 +207,7 @@ fn a_grating_that_is_seen_is_kept_and_one_that_is_too_fine_to_be_seen_is_not() {
         );
         finest
     };
-    // At the gaze, 10° and 20° beside it.
+    // At the gaze, 10° and 20° from it.
     let [fovea, near, far] = [15, 21, 28].map(finest_kept);
     assert!(
         fovea <= near && near <= far && fovea < far,
@@ -450,7 +450,7 @@ impl VideoUnits for Judged {
     }
 }
 
-/// What a judge finds who sees as much lost as signatures foretell, at any density.
+/// What a judge finds who sees as much lost as signatures predict, at any density.
 fn as_foretold() -> Scale {
     let row = |bound: f64| CalibrationRow {
         rule: Expectation::ByLoss,
