@@ -179,6 +179,10 @@ pub struct PolicyConfig {
     /// it: as sessions without panels do.
     #[serde(default, skip_serializing_if = "is_false")]
     pub together: bool,
+    /// `perceptual` with a budget, of video: whether what lies just outside the view is worth
+    /// something as well, as it fades into the picture. Sessions of earlier versions had it not.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub border: bool,
 }
 
 fn is_false(value: &bool) -> bool {
@@ -228,6 +232,7 @@ impl PolicyConfig {
             target: None,
             bound: None,
             together: false,
+            border: policy == Policy::Perceptual,
         }
     }
 

@@ -201,7 +201,7 @@ impl LossMeter {
         };
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
-        let near = Sighted::up_to(glance, Radians(beside(grid).0 + room.0));
+        let near = Sighted::up_to(glance, Radians(border_of(grid).0 + room.0));
         for cell in &*self.cells {
             let mut places: Vec<&CellPlace> = sighted.places(cell).collect();
             let in_view = !places.is_empty();
@@ -293,7 +293,7 @@ fn octaves_of(
 }
 
 /// How far outside the view a cell is seen fading into it, or lies in view between its places.
-fn beside(grid: &TileGrid) -> Radians {
+pub(super) fn border_of(grid: &TileGrid) -> Radians {
     Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
 }
 
