@@ -34,6 +34,16 @@ fn a_gaze_outside_the_picture_and_a_missed_target_are_said() {
     );
     let ran = play(&["--gaze", "3,2"]);
     assert!(!ran.stderr.contains("outside"), "{ran:?}");
+    let perceptual = ["--gaze", "3,2", "--policy", "perceptual", "--target", "9.5"];
+    assert!(!play(&perceptual).stderr.contains("missed"));
+    let slow = play(&[&perceptual[..], &["--link", "1kbit"]].concat());
+    let missed = "warning: --target 9.5 is missed: the expected score is ";
+    assert!(slow.stderr.contains(missed), "{slow:?}");
+    assert!(
+        slow.stderr.contains("a faster --link brings more"),
+        "{slow:?}"
+    );
+    let ran = play(&["--gaze", "3,2"]);
     assert!(
         ran.stdout.contains("% of the pixels of the finest level"),
         "{ran:?}"

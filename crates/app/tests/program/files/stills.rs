@@ -268,6 +268,23 @@ fn animations_are_played_with_the_times_of_all_their_pictures() {
         folder.holding("a.gif", &gif),
         folder.holding("a.png", &png_bytes),
     ];
+    let cut = webp.len() - 20;
+    let cut = folder.holding("cut.webp", &chunk(b"RIFF", &webp)[..cut]);
+    let (told, _, _) = seen(&folder, &cut, "32x32");
+    assert_eq!(
+        (&told["frames"], &told["repairs"]["cut_short"]),
+        (&2.into(), &1.into()),
+        "{told}"
+    );
+    let strict = [
+        "prepare",
+        "video",
+        &cut,
+        "--strict",
+        "--out",
+        "never.foveal",
+    ];
+    refused(1, &strict, &["cut short: 1"]);
     for file in files {
         let (told, shown, _) = seen(&folder, &file, "32x32");
         assert_eq!(

@@ -8,6 +8,7 @@ pub mod deinterlace;
 pub(crate) mod frame_reader;
 pub(crate) mod frames;
 pub(crate) mod holes;
+pub(crate) mod joints;
 pub mod mended;
 pub(crate) mod mending;
 pub(crate) mod opening;
