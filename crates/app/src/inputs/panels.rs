@@ -110,7 +110,7 @@ pub(super) const FORMATS: &[Format] = &[
     },
     Format {
         name: "Warp meshes",
-        read: "Bourke's text (`.data`, `.mesh`, `.txt`; [what of it](panels.md#warp-mesh)).",
+        read: "Bourke's text (`.data`, `.mesh`, `.txt`, `.csv`; [what of it](panels.md#warp-mesh)).",
         rows: &[
             found(
                 "comments, empty lines, line ends of Windows or old Macs, UTF-16",

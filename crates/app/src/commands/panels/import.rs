@@ -135,8 +135,8 @@ impl ImportArgs {
             (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) => bail!(WrongUsage(format!(
                 "{name}: is no MPCDI, warp mesh or wall by its ending; give one that ends in \
-                 .mpcdi, .xml, .data, .mesh or .txt, or a wall in .obj, .ply, .stl, .gltf or .glb \
-                 with --projector"
+                 .mpcdi, .xml, .data, .mesh, .txt or .csv, or a wall in .obj, .ply, .stl, .gltf or \
+                 .glb with --projector"
             ))),
         }
     }

@@ -1,5 +1,6 @@
 //! How do the packets of a file become decoded frames, and where do they break off?
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use av::codec::{Id, threading};
@@ -35,6 +36,10 @@ const LOST: &str = "its data are incomplete, or two streams were joined here, wh
 /// What is told of a container of which a part was passed over, and of a packet with a hole.
 const PASSED_OVER: &str = "a part of it is none of its format";
 const HOLE: &str = "a part of a picture is gone, with zeros in its place";
+
+/// Packets behind one that is told to be damaged within which another recording may begin: FFmpeg
+/// tells it of one or two before.
+const JOINT_WITHIN: usize = 3;
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
 const MOST_AT_END: u32 = 64;
@@ -78,7 +83,7 @@ pub(crate) struct FrameReader {
     told_end: ToldEnd,
     joints: Joints,
     /// Read while it was looked what follows another packet.
-    held: Option<Packet>,
+    held: VecDeque<Packet>,
     path: PathBuf,
     bytes: u64,
     beginning: Beginning,
@@ -148,7 +153,7 @@ impl FrameReader {
             why_cut,
             told_end,
             joints,
-            held: None,
+            held: VecDeque::new(),
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
@@ -341,24 +346,33 @@ impl FrameReader {
 
     /// Reads the next packet of the stream, whose stamps follow those before; false at the end.
     fn next_packet(&mut self, packet: &mut Packet) -> Result<bool, String> {
-        match self.held.take() {
+        match self.held.pop_front() {
             Some(held) => *packet = held,
             None if self.read_own(packet)?.is_none() => return Ok(false),
             None => {}
         }
-        if self.is_container("mpegts") && packet.is_corrupt() {
-            // Where recordings are joined, the counter of its pieces begins again, too.
+        if self.is_container("mpegts") && packet.is_corrupt() && self.held.is_empty() {
+            self.look_for_joint(packet);
+        }
+        Ok(true)
+    }
+
+    /// Where recordings are joined, the counter of their pieces begins again too, which FFmpeg
+    /// tells of one of the packets before, and is no damage.
+    fn look_for_joint(&mut self, packet: &mut Packet) {
+        for _ in 0..JOINT_WITHIN {
             let mut next = Packet::empty();
             // What stops it there is told in its turn.
             let Ok(Some(is_joint)) = self.read_own(&mut next) else {
-                return Ok(true);
+                return;
             };
-            for packet in [packet, &mut next].into_iter().filter(|_| is_joint) {
-                packet.set_flags(packet.flags() - av::packet::Flags::CORRUPT);
+            self.held.push_back(next);
+            if is_joint {
+                let all = self.held.iter_mut().chain([packet]);
+                all.for_each(|it| it.set_flags(it.flags() - av::packet::Flags::CORRUPT));
+                return;
             }
-            self.held = Some(next);
         }
-        Ok(true)
     }
 
     /// The same from the file: whether time stamps begin again there; none at the end.

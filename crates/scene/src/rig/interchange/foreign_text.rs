@@ -72,7 +72,7 @@ fn mended<'a>(text: Cow<'a, str>, notes: &mut Vec<String>) -> Cow<'a, str> {
     let mut text = text.into_owned();
     if let Some(first) = bare.first() {
         notes.push(format!(
-            "{} that begin no entity are taken as they stand, the first in line {}",
+            "{} without an entity behind, taken as it stands, the first in line {}",
             counted(bare.len() as u64, "ampersand"),
             line_number(&text, *first)
         ));

@@ -454,12 +454,16 @@ impl<'a> MpcdiRegion<'a> {
             *said = element.number(name)?;
         }
         let of = [whole[0], whole[1], whole[0], whole[1]];
+        let are_known = whole.iter().all(|it| it.is_some());
         let is_more = |it: &Option<f64>| it.is_some_and(|it| it > 1.0 + ROUNDED);
-        let counts_pixels = said.iter().any(is_more) && whole.iter().all(|it| it.is_some());
+        // Some tell the size in pixels, and where it lies as a share.
+        let counts_pixels = are_known && said[2..].iter().any(is_more);
+        let counts_places = counts_pixels && said[..2].iter().any(is_more);
+        let counted = [counts_places, counts_places, counts_pixels, counts_pixels];
         let mut part = [0.0, 0.0, 1.0, 1.0];
         for (k, name) in NAMES.into_iter().enumerate() {
             let Some(said) = said[k] else { continue };
-            part[k] = match of[k].filter(|_| counts_pixels) {
+            part[k] = match of[k].filter(|_| counted[k]) {
                 Some(of) => said / of,
                 None => said,
             };

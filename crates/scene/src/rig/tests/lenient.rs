@@ -64,7 +64,7 @@ fn a_document_with_marks_that_break_xml_is_read_and_told() {
     mend(format!("\u{feff}\n \n{text}"), "before its XML declaration");
     mend(format!("\n{text}"), "before its XML declaration");
     let named = |name: &str| text.replace("<MPCDI ", &format!("<MPCDI name=\"{name}\" "));
-    mend(named("L & R"), "1 ampersand that begin no entity");
+    mend(named("L & R"), "1 ampersand without an entity");
     mend(named("L&R; &amp; &#38; &c"), "2 ampersands");
     mend(named("a\u{1}b"), "1 control character");
     let latin: Vec<u8> = named("W\u{e4}nde").chars().map(|it| it as u8).collect();
