@@ -136,9 +136,10 @@ fn main() -> ExitCode {
 /// A file in place of a command gets the command that was meant.
 fn with_hint(mut error: clap::Error) -> clap::Error {
     use clap::error::{ContextKind, ContextValue};
-    let of_prepare = report::called::called().command == "foveal prepare";
+    let command = &report::called::called().command;
+    let takes_files = ["foveal", "foveal prepare"].contains(&command.as_str());
     let word = match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(word)) if of_prepare => word.clone(),
+        Some(ContextValue::String(word)) if takes_files => word.clone(),
         _ => return error,
     };
     if let Some(hint) = run::other_input::meant_command(&word) {

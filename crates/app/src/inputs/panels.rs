@@ -100,8 +100,8 @@ pub(super) const FORMATS: &[Format] = &[
                 "left out, with the region and the file",
             ),
             found(
-                "a geometryWarpFile that is missing or cut, or whose places are pixels of something \
-                 else; any file that leads out or is too long",
+                "a geometryWarpFile that is missing or cut, or whose places are pixels of another \
+                 size; any file that leads out or is too long",
                 Refused,
                 "by line and name",
             ),
@@ -110,7 +110,8 @@ pub(super) const FORMATS: &[Format] = &[
     },
     Format {
         name: "Warp meshes",
-        read: "Bourke's text (`.data`, `.mesh`, `.txt`, `.csv`; [what of it](panels.md#warp-mesh)).",
+        read: "Bourke's text (`.data`, `.mesh`, `.txt`, `.csv`; \
+               [what of it](panels.md#warp-mesh)).",
         rows: &[
             found(
                 "comments, empty lines, line ends of Windows or old Macs, UTF-16",

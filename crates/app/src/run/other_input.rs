@@ -51,9 +51,12 @@ pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> any
     }
 }
 
-/// The command that was meant where a file stands in place of `video` or `scene`.
+/// The command that was meant where a file stands in place of one.
 pub(crate) fn meant_command(word: &str) -> Option<String> {
     let path = Path::new(word);
+    if path.extension().is_some_and(|it| it == "foveal") {
+        return Some(format!("`foveal view {word}` plays a pack"));
+    }
     let is_file = path.is_file() || path.extension().is_some();
     let kind = if is_scene_file(path) {
         "scene"

@@ -34,6 +34,8 @@ fn a_file_that_another_command_reads_is_told_with_that_command() {
         let ran = foveal(&["prepare", file, "--json"]);
         assert!(ran.stdout.contains(meant), "{ran:?}");
     }
+    refused(2, &[&film], &["tip: ", "foveal prepare video"]);
+    refused(2, &[&pack], &["tip: ", "foveal view"]);
     // What is no file of either is told as before.
     let text = folder.holding("a.txt", b"nothing");
     refused(

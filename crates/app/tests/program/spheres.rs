@@ -252,7 +252,7 @@ fn a_flat_input_and_faces_of_none_are_refused() {
         &[&prepare[..], &large].concat(),
         &[
             "--face-size 16384",
-            "24 pixels",
+            "32 pixels",
             "GB of memory",
             "at most 2048",
         ],

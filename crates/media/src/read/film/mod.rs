@@ -2,7 +2,7 @@
 
 pub mod animation_end;
 pub mod clusters;
-pub(crate) mod cut_short;
+pub mod cut_short;
 pub(crate) mod damage_log;
 pub mod deinterlace;
 pub(crate) mod frame_reader;

@@ -27,7 +27,8 @@ const MOST_NODES: usize = 1 << 20;
 const MOST_COVERED: u64 = 64;
 /// Largest number of a node.
 const LARGEST: f64 = 1e5;
-/// Largest place of a node in the picture that is a share of its width or height: others are pixels.
+/// Largest place of a node in the picture that is a share of its width or height: others count
+/// pixels.
 const MOST_SHARE: f64 = 2.0;
 /// Largest share of light that is one, and what programs write for all light that count it.
 const MOST_LIGHT: f64 = 2.0;

@@ -171,7 +171,7 @@ impl TargetSelector {
         let losses = self
             .meter
             .losses_around(&self.grid, content, frame, &around);
-        let (step, needed) = match self.rule.take() {
+        let (step, mut needed) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, (&losses, &scale), &looked, known);
                 rule.set_acuity(self.slope_at(&scale, step));
@@ -184,10 +184,7 @@ impl TargetSelector {
                 (_, None) => self.by_bound(&losses, &scale),
             },
         };
-        let mut needed = needed;
-        if let Some(floor) = &floor {
-            needed.refine_to(floor);
-        }
+        floor.iter().for_each(|floor| needed.refine_to(floor));
         self.before = Some(Chosen {
             floor,
             glance: looked,
