@@ -6,10 +6,12 @@ use std::io::Cursor;
 
 use foveal_media::read::film::animation_end::why_cut;
 use foveal_media::read::film::clusters::clusters;
+use foveal_media::read::film::cut_short::read_any_end;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {
     let found = clusters(Cursor::new(data));
     assert!(found.all <= data.len() as u64);
     let _ = why_cut(&mut Cursor::new(data));
+    read_any_end(data);
 });

@@ -97,7 +97,7 @@ fn main() -> ExitCode {
     let program = help::by_task(examples::attached(with_negative_numbers(Cli::command())));
     report::called::read_command_line(&program);
     let matches = program.try_get_matches();
-    let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&error));
+    let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&with_hint(error)));
     let cli =
         Cli::from_arg_matches(&matches).unwrap_or_else(|error| report::output::fail_usage(&error));
     for line in options::unused::unused_options(&matches) {
@@ -126,11 +126,30 @@ fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => report::output::fail(&error),
+        Err(error) => {
+            let words = &report::called::called().words;
+            report::output::fail(&run::other_input::no_address(words, error))
+        }
     }
 }
 
-/// What is given as `-3` is a number that may be out of range, not an unknown option.
+/// A file in place of a command gets the command that was meant.
+fn with_hint(mut error: clap::Error) -> clap::Error {
+    use clap::error::{ContextKind, ContextValue};
+    let command = &report::called::called().command;
+    let takes_files = ["foveal", "foveal prepare"].contains(&command.as_str());
+    let word = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(word)) if takes_files => word.clone(),
+        _ => return error,
+    };
+    if let Some(hint) = run::other_input::meant_command(&word) {
+        let hint = ContextValue::StyledStrs(vec![hint.into()]);
+        error.insert(ContextKind::Suggested, hint);
+    }
+    error
+}
+
+/// What is given as `-3` is a number that may be out of range, not an option nobody knows.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let takes_values = |arg: &clap::Arg| arg.get_action().takes_values();
     command

@@ -97,7 +97,7 @@ impl SourceScene {
         if *missing <= MOST_MISSING_NAMED {
             let name = name.chars().take(80).collect::<String>();
             self.remark(format!(
-                "the picture {name:?} is missing: {reason}; surfaces have their colour alone"
+                "the picture \"{name}\" is missing: {reason}; surfaces have their colour alone"
             ));
         }
     }

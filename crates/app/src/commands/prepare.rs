@@ -8,6 +8,7 @@ use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::calibrate::{CalibrationExtent, calibrate};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
+use crate::run::other_input::{no_video, refuse_pack};
 use crate::run::pack_place::{if_taken, pack_at};
 use crate::run::quantisers::with_quantisers;
 use anyhow::{anyhow, bail};
@@ -259,9 +260,10 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 impl PrepareVideoArgs {
     fn plan(&self) -> anyhow::Result<PreparationPlan> {
         let settings = self.settings()?;
-        let info = VideoInput::open_with(&self.input, settings.reading())?
-            .info()
-            .clone();
+        refuse_pack(&self.input)?;
+        let input = VideoInput::open_with(&self.input, settings.reading());
+        let input = input.map_err(|error| no_video(&self.input, error.into()))?;
+        let info = input.info().clone();
         PreparationPlan::new(&self.input, &info, &settings).map_err(|error| match error {
             PrepareError::Grid(GridError::Size(..)) => {
                 anyhow!("{}: {error}; make it smaller", self.input.display())

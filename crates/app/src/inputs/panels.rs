@@ -42,6 +42,28 @@ pub(super) const FORMATS: &[Format] = &[
                 "as it was meant",
             ),
             found(
+                "a mark of UTF-8, empty lines before the declaration, an `&` that begins no \
+                 entity, control characters, Latin-1 that says UTF-8",
+                Remarked,
+                "as it was meant",
+            ),
+            found(
+                "files of a region that is called so in other letters or with blanks",
+                Remarked,
+                "taken for it; files of a region that there is not are left out, and a region \
+                 without files is named",
+            ),
+            found(
+                "resolutions of 0",
+                Remarked,
+                "as if they were not told: a region is then a display of its own",
+            ),
+            found(
+                "the place of a region in pixels of its buffer",
+                Remarked,
+                "divided by them",
+            ),
+            found(
                 "pixels of a region that are not its share of the buffer",
                 Remarked,
                 "placed by its share",
@@ -62,12 +84,24 @@ pub(super) const FORMATS: &[Format] = &[
                 "a geometryWarpFile is interpolated, an alphaMap or betaMap resampled",
             ),
             found(
+                "nodes of a geometryWarpFile that are no number, -1 all three, or 0 all three more \
+                 than once",
+                Read,
+                "unlit",
+            ),
+            found(
+                "bytes behind a geometryWarpFile; its places in pixels of the region",
+                Remarked,
+                "left out; divided by its pixels",
+            ),
+            found(
                 "an alphaMap or betaMap that is missing or no sound PNG",
                 Remarked,
                 "left out, with the region and the file",
             ),
             found(
-                "a geometryWarpFile that is missing, or any file that leads out or is too long",
+                "a geometryWarpFile that is missing or cut, or whose places are pixels of another \
+                 size; any file that leads out or is too long",
                 Refused,
                 "by line and name",
             ),
@@ -76,7 +110,8 @@ pub(super) const FORMATS: &[Format] = &[
     },
     Format {
         name: "Warp meshes",
-        read: "Bourke's text (`.data`, `.mesh`, `.txt`; [what of it](panels.md#warp-mesh)).",
+        read: "Bourke's text (`.data`, `.mesh`, `.txt`, `.csv`; \
+               [what of it](panels.md#warp-mesh)).",
         rows: &[
             found(
                 "comments, empty lines, line ends of Windows or old Macs, UTF-16",
@@ -89,8 +124,24 @@ pub(super) const FORMATS: &[Format] = &[
                 "as it was meant",
             ),
             found("nodes without a share of light", Read, "full light"),
+            found("names of columns", Read, "passed over"),
+            found(
+                "shares of light of 0 to 255, 100 or 65535, or above 1",
+                Remarked,
+                "divided, or taken for 1",
+            ),
+            found(
+                "nodes that are no number; an end within a row behind two others",
+                Remarked,
+                "nothing is drawn there",
+            ),
             found("lines behind the nodes", Remarked, "not read"),
-            found("fewer nodes than it says, or a fold", Refused, "by line"),
+            found(
+                "u and v in pixels: nothing tells of how large a picture",
+                Refused,
+                "by how far they reach",
+            ),
+            found("fewer nodes than two rows, or a fold", Refused, "by line"),
         ],
     },
     Format {

@@ -50,8 +50,9 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "the rate is that of most frames of the index",
         },
         Finding {
-            found: "an end before the one that the container gives; within a frame (Y4M) or a \
-                    packet (transport streams)",
+            found: "an end before the one that the container tells (MP4, Matroska, AVI, ASF, FLV, \
+                    MXF); within a frame (Y4M) or a packet (transport streams); an Ogg without its \
+                    last page",
             outcome: Mended,
             told: "shown up to there, `repairs.cut_short`",
         },
@@ -76,6 +77,12 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "time stamps that do not rise",
             outcome: Mended,
             told: "replaced by the frame rate, `repairs.time_stamps`",
+        },
+        Finding {
+            found: "recordings put behind each other (transport and program streams), whose time \
+                    stamps begin again",
+            outcome: Remarked,
+            told: "played one after the other, `repairs.joined_recordings`; `--strict` takes them",
         },
         Finding {
             found: "damaged sound",

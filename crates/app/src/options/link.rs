@@ -24,7 +24,13 @@ impl Default for Link {
 
 /// Bits per second of the mobile networks that Chen et al. 2022 emulate.
 const NAMED: [(&str, f64); 3] = [("3g", 2e6), ("4g", 40e6), ("5g", 67e6)];
-const UNITS: [(&str, f64); 3] = [("gbit", 1e9), ("mbit", 1e6), ("kbit", 1e3)];
+const UNITS: [(&str, f64); 3] = [("g", 1e9), ("m", 1e6), ("k", 1e3)];
+/// How bits a second are written behind a letter of [`UNITS`], whatever the case of letters.
+const BITS: [&str; 10] = [
+    "bit", "bits", "bit/s", "bits/s", "bitps", "bps", "b/s", "bit/sec", "b", "bits/sec",
+];
+/// How bytes a second are, as they are written: eight times as many bits.
+const BYTES: [&str; 3] = ["B", "B/s", "Bps"];
 
 /// Reads `RATE[,DELAY]`: `4g`, `40mbit`, `8mbit,50ms`.
 pub(crate) fn parse_link(text: &str) -> anyhow::Result<Link> {
@@ -43,25 +49,36 @@ pub(crate) fn parse_link(text: &str) -> anyhow::Result<Link> {
     })
 }
 
-/// Bits per second of `4g`, `40mbit` and the like.
+/// Bits per second of `4g`, `40mbit`, `4 Mbps`, `2 MB/s` and the like.
 pub(crate) fn parse_rate(text: &str) -> Option<f64> {
-    if let Some((_, rate)) = NAMED.iter().find(|(name, _)| *name == text) {
+    let is_named = |(name, _): &&(&str, f64)| name.eq_ignore_ascii_case(text);
+    if let Some((_, rate)) = NAMED.iter().find(is_named) {
         return Some(*rate);
     }
-    let (number, unit) = UNITS
-        .iter()
-        .find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit)))?;
-    let rate = number.trim().parse::<f64>().ok()? * unit;
+    let is_of_number = |it: char| it.is_ascii_digit() || matches!(it, '.' | '-' | '+' | ' ');
+    let (number, unit) = text.split_at(text.find(|it| !is_of_number(it))?);
+    let (prefix, rest) = unit.split_at_checked(1)?;
+    let is_prefix = |(letter, _): &&(&str, f64)| letter.eq_ignore_ascii_case(prefix);
+    let (_, many) = UNITS.iter().find(is_prefix)?;
+    let bits = match BYTES.contains(&rest) {
+        true => 8.0,
+        false => BITS
+            .iter()
+            .find(|it| it.eq_ignore_ascii_case(rest))
+            .map(|_| 1.0)?,
+    };
+    let rate = number.trim().parse::<f64>().ok()? * many * bits;
     (1e3..=1e11).contains(&rate).then_some(rate)
 }
 
-/// Reads a delay as `30ms`, at most ten seconds.
+/// Reads a delay as `30ms` or `0.03s`, at most ten seconds.
 pub(crate) fn parse_delay(text: &str) -> anyhow::Result<Seconds> {
-    let ms = text
-        .strip_suffix("ms")
-        .unwrap_or(text)
-        .trim()
-        .parse::<f64>();
+    let plain = text.to_ascii_lowercase();
+    let (number, unit_ms) = match (plain.strip_suffix("ms"), plain.strip_suffix('s')) {
+        (None, Some(seconds)) => (seconds, 1e3),
+        (ms, _) => (ms.unwrap_or(&plain), 1.0),
+    };
+    let ms = number.trim().parse::<f64>().map(|number| number * unit_ms);
     match ms {
         Ok(ms) if (0.0..=10_000.0).contains(&ms) => Ok(Seconds(ms / 1e3)),
         _ => bail!("\"{text}\": expected a delay of 0 to 10000 ms, as 30ms"),
@@ -81,6 +98,26 @@ mod tests {
         assert_eq!(link("4g"), (5e6, 0.0));
         assert_eq!(link("40mbit,30ms"), (5e6, 0.03));
         assert_eq!(link("0.5gbit, 5"), (62.5e6, 0.005));
+        for text in [
+            "4mbit",
+            "4Mbit",
+            "4 MBit/s",
+            "4 Mbps",
+            "4MBPS",
+            "4 mb/s",
+            "4.0 Mbits/s",
+            "4Mb",
+            "4000 kbit",
+            "4000KBPS",
+            "0.004Gbit/sec",
+            "0.5MB/s",
+            "500 kB/s",
+            "+4MBIT",
+        ] {
+            assert_eq!(link(text), (5e5, 0.0), "{text}");
+        }
+        assert_eq!(link("4G, 30 MS"), (5e6, 0.03));
+        assert_eq!(link("5G,0.03s"), (67e6 / 8.0, 0.03));
     }
 
     #[test]
@@ -96,6 +133,13 @@ mod tests {
             "4g,-1ms",
             "4g,1ms,1%",
             "1e30gbit",
+            "4mib/s",
+            "4 m",
+            "4bit",
+            "mbit4",
+            "4\u{20ac}bit",
+            "\u{20ac}",
+            "4mbit,1h",
         ] {
             assert!(parse_link(text).is_err(), "{text}");
         }

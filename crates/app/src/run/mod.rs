@@ -6,6 +6,7 @@ pub(crate) mod kept_pack;
 pub(crate) mod loss;
 pub(crate) mod open_player;
 pub(crate) mod optics;
+pub(crate) mod other_input;
 pub(crate) mod pack_place;
 pub(crate) mod quantisers;
 pub(crate) mod run_folder;

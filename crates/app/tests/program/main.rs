@@ -20,6 +20,7 @@ mod fovea;
 mod full;
 mod gaze_events;
 mod gaze_head;
+mod hints;
 mod journey;
 mod kastner;
 mod layouts;

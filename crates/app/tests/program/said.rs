@@ -34,6 +34,19 @@ fn a_gaze_outside_the_picture_and_a_missed_target_are_said() {
     );
     let ran = play(&["--gaze", "3,2"]);
     assert!(!ran.stderr.contains("outside"), "{ran:?}");
+    let perceptual = ["--gaze", "3,2", "--policy", "perceptual", "--target", "9.5"];
+    assert!(!play(&perceptual).stderr.contains("missed"));
+    // The coarsest level alone comes through.
+    let judged = ["--link", "1kbit", "--score", "--frames", "2"];
+    let slow = ["simulate", &pack, "--out", &out, "--renderer", "cpu"];
+    let slow = foveal(&[&slow[..], &perceptual, &judged].concat());
+    let missed = "warning: --target 9.5 is missed: the score is ";
+    assert!(slow.stderr.contains(missed), "{slow:?}");
+    assert!(
+        slow.stderr.contains("a faster --link brings more"),
+        "{slow:?}"
+    );
+    let ran = play(&["--gaze", "3,2"]);
     assert!(
         ran.stdout.contains("% of the pixels of the finest level"),
         "{ran:?}"

@@ -246,6 +246,17 @@ fn a_flat_input_and_faces_of_none_are_refused() {
     };
     refused_of(&[], &["--pack-projection equirect", "flat", "--projection"]);
     let sphere = ["--projection", "equirect"];
+    let large = [&sphere[..], &["--face-size", "16384"]].concat();
+    refused(
+        1,
+        &[&prepare[..], &large].concat(),
+        &[
+            "--face-size 16384",
+            "32 pixels",
+            "GB of memory",
+            "at most 2048",
+        ],
+    );
     for faces in [["--face-size", "64"], ["--mapping", "gnomonic"]] {
         refused_of(&[&sphere[..], &faces[..]].concat(), &["no faces", faces[0]]);
     }

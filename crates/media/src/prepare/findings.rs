@@ -16,8 +16,8 @@ use time_notes::{length_of, time_notes};
 const MOST_BYTES: usize = 900;
 const MOST_OF_ONE: usize = 400;
 /// What is done to every film of its kind, and is no damage.
-const NO_DAMAGE: [&str; 1] = ["deinterlaced_frames"];
-/// A last frame of a film that is shown for longer is reported; seconds.
+const NO_DAMAGE: [&str; 2] = ["deinterlaced_frames", "joined_recordings"];
+/// A last frame of a film that is shown for longer is told; seconds.
 const LONG_LAST_S: f64 = 1.0;
 /// By how much the last frame must be shown longer than others, or shorter, to be reported.
 const UNLIKE: f64 = 0.05;

@@ -61,6 +61,10 @@ pub struct PreparationPlan {
 
 /// Levels of a pack unless asked for otherwise or the picture is tiny.
 const LEVELS: u8 = 5;
+/// Faces of a sphere that is resampled may be so many times as fine as it is, and so large anyway:
+/// memory follows their pixels.
+const MOST_FINER: u32 = 2;
+const LEAST_FACE_BOUND: u32 = 2048;
 /// The longer side of a coarsest level is not halved below this many pixels.
 const LEAST_COARSEST: u32 = 16;
 /// Frame rate above which groups are twice as long.
@@ -298,6 +302,19 @@ fn surface(found: &SurroundOfEyes) -> Surface {
     }
 }
 
+/// Bytes of memory, at most, that preparing takes for each pixel of six faces, and besides.
+const BYTES_A_PIXEL: u64 = 110;
+const BYTES_BESIDE: u64 = 200 << 20;
+
+/// Bytes of memory that preparing takes of a cube with so many pixels on a side of a face.
+pub(super) fn face_memory(side: u32) -> u64 {
+    6 * u64::from(side).pow(2) * BYTES_A_PIXEL + BYTES_BESIDE
+}
+
+fn gigabytes(bytes: u64) -> String {
+    format!("{:.1} GB", bytes as f64 / 1e9)
+}
+
 /// The faces that a picture holds.
 fn cube_of(layout: CubeLayout, eye_size: [u32; 2]) -> Surface {
     let cube = Surface::cube(layout.face_size(eye_size));
@@ -320,6 +337,16 @@ fn cube_as_asked(
             let size = settings.face_size.unwrap_or(surface.size[0]);
             if !FACE_SIZES.contains(&size) || !size.is_multiple_of(16) {
                 return Err(PrepareError::FaceSize(size));
+            }
+            let own = surface.size[0];
+            let most = (MOST_FINER * own).max(LEAST_FACE_BOUND);
+            if size > most {
+                return Err(PrepareError::Option(format!(
+                    "--face-size {size}: a quarter of the sphere has {own} pixels, and faces that \
+                     are more than {MOST_FINER} times as fine take {} of memory and show no more; \
+                     give at most {most}",
+                    gigabytes(face_memory(size))
+                )));
             }
             return Ok(Surface {
                 size: [size; 2],
@@ -416,6 +443,15 @@ fn groups(levels: u8, is_still: bool, [frames, seconds]: [u32; 2]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn memory_of_faces_is_at_least_what_was_measured() {
+        // Of two frames at two threads.
+        for (side, megabytes) in [(1024, 865), (2048, 2789), (4096, 8190)] {
+            assert!(face_memory(side) >= megabytes * 1_000_000, "{side}");
+        }
+        assert!(face_memory(2048) < 3_100_000_000);
+    }
     use crate::read::source::Transparency;
     use crate::tests::scenes::{group, write_clip};
     use crate::{ClipCodec, VideoInput};

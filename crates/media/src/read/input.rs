@@ -125,7 +125,7 @@ impl VideoInput {
                 picture,
                 time_ns: 0,
             })),
-            Source::WebP(animation) => animation.next_frame(),
+            Source::WebP(animation) => Ok(animation.next_frame()),
         }
     }
 }

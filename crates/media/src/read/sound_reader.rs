@@ -10,6 +10,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
+use crate::read::film::joints::Joints;
 use crate::read::film::opening::{open_input, read_packet};
 
 /// What comes out: floating point, interleaved.
@@ -36,6 +37,7 @@ pub(crate) struct SoundReader {
     stream: usize,
     decoder: decoder::Audio,
     tick: av::Rational,
+    joints: Joints,
     /// Stamp of the first picture in nanoseconds.
     origin_ns: i64,
     layout: ChannelLayout,
@@ -66,11 +68,13 @@ impl SoundReader {
         decoder.set_packet_time_base(tick);
         let decoder = decoder.audio().map_err(|e| e.to_string())?;
         let channels = if decoder.channels() == 1 { 1 } else { 2 };
+        let joints = Joints::of(input.format().name(), tick);
         Ok(Some(Self {
             input,
             stream: index,
             decoder,
             tick,
+            joints,
             origin_ns,
             layout: ChannelLayout::default(channels),
             resampler: None,
@@ -120,6 +124,7 @@ impl SoundReader {
             match read_packet(&mut packet, &mut self.input) {
                 Ok(true) if packet.stream() != self.stream || packet.size() == 0 => {}
                 Ok(true) => {
+                    self.joints.follow(&mut packet);
                     self.damaged += u32::from(self.decoder.send_packet(&packet).is_err());
                     return Ok(());
                 }

@@ -224,10 +224,17 @@ pub(crate) fn frames_of(seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
     seconds.map(|s| (s * frames / per).round().max(1.0) as u64)
 }
 
-/// Number of frames that the container announces for this stream, without those that it says are
-/// not to be shown.
-#[allow(unsafe_code)] // ffmpeg-next gives neither the index of a stream nor how lengths were found.
+/// Containers whose lengths are not those of the pictures: of all streams together (ASF), or a
+/// guess where writing it broke off (AVI). How far their data reach tells whether they are whole.
+const TELL_OF_OTHERS: [&str; 2] = ["asf", "avi"];
+
+/// Number of frames that the container tells of this stream, without those that it says are not
+/// to be shown.
+#[allow(unsafe_code)] // ffmpeg-next tells neither the index of a stream nor how lengths were found.
 pub(crate) fn frames_told(input: &Input, stream: &Stream, rate: [i32; 2]) -> Option<u64> {
+    if TELL_OF_OTHERS.contains(&input.format().name()) {
+        return None;
+    }
     // SAFETY: the context and its stream are alive, and nothing reads on in this call; an entry is
     // null or lies in the stream's index.
     let (discarded, entries, is_guess) = unsafe {

@@ -64,7 +64,7 @@ pub enum ReadError {
     },
     /// A file that this one names is missing or cannot be read.
     #[error(
-        "{}: its file {name:?} cannot be read: {reason}; put it where this file expects it",
+        "{}: its file \"{name}\" cannot be read: {reason}; put it where this file expects it",
         path.display()
     )]
     Missing {
@@ -151,7 +151,7 @@ impl Fault {
     /// The same, with the name of a file that is missing.
     pub(super) fn told(self) -> String {
         match self {
-            Self::Missing { name, reason } => format!("{name:?}: {reason}"),
+            Self::Missing { name, reason } => format!("\"{name}\": {reason}"),
             other => other.what(),
         }
     }

@@ -277,7 +277,7 @@ fn missing(name: &str, reason: String) -> Fault {
 
 fn leads_out(name: &str) -> Fault {
     Fault::broken(
-        format!("file {:?}", shortened(name)),
+        format!("file \"{}\"", shortened(name)),
         "does not lie in the folder of this file",
         "put it there and name it without the way to it",
     )

@@ -51,7 +51,7 @@ impl RigKind {
             "toml" => Some(Self::Entries(RigSyntax::Toml)),
             "json" => Some(Self::Entries(RigSyntax::Json)),
             "mpcdi" | "xml" => Some(Self::Mpcdi),
-            "data" | "mesh" | "txt" => Some(Self::Mesh),
+            "data" | "mesh" | "txt" | "csv" => Some(Self::Mesh),
             _ => None,
         }
     }
@@ -65,8 +65,8 @@ impl RigKind {
 }
 
 /// Reads a rig: our TOML; our JSON where the name ends in `.json`; an MPCDI, zipped or not, where
-/// it ends in `.mpcdi` or `.xml`; a warp mesh where it ends in `.data`, `.mesh` or `.txt`. Files
-/// that it names lie in its folder.
+/// it ends in `.mpcdi` or `.xml`; a warp mesh where it ends in `.data`, `.mesh`, `.txt` or `.csv`.
+/// Files that it names lie in its folder.
 ///
 /// Refused are files that break their format, say what cannot be, or have keys that there are not;
 /// the error names line and key.
@@ -89,7 +89,7 @@ pub struct NotedRig {
 pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig, RigError> {
     let Some(kind) = RigKind::of(path) else {
         let what = "is no rig file that can be read; give one that ends in .toml, .json, .mpcdi, \
-                    .xml, .data, .mesh or .txt";
+                    .xml, .data, .mesh, .txt or .csv";
         return Err(RigFault::new("", what, NEXT).in_file(path));
     };
     let most = kind.most_bytes();

@@ -1,5 +1,6 @@
 //! What does a portable float map say of each pixel?
 
+use foveal_core::units::counted;
 use foveal_core::view::panel::residual_grid::ResidualGrid;
 
 /// Reads the bytes of a file next to the rig file, or says why not.
@@ -18,6 +19,9 @@ const LEAST_NODES: u32 = 2;
 /// Points nearer than this to the origin do not count, in units of the map: nDisplay's.
 pub(super) const NO_POINT: f64 = 1e-5;
 
+/// Largest share of a panel's width or height that is one: others are pixels.
+const MOST_SHARE: f64 = 2.0;
+
 /// A map of three floats a pixel, or a node between which pixels lie.
 pub(super) struct FloatMap<'a> {
     /// Columns and lines of nodes.
@@ -26,6 +30,12 @@ pub(super) struct FloatMap<'a> {
     pixels: [usize; 2],
     is_little: bool,
     floats: &'a [u8],
+    /// What a share is multiplied with.
+    scale: [f64; 2],
+    /// Whether (0, 0, 0) says that nothing is lit: no two pixels show one place.
+    is_zero_none: bool,
+    /// What of it was mended, for people.
+    notes: Vec<String>,
 }
 
 impl<'a> FloatMap<'a> {
@@ -33,6 +43,7 @@ impl<'a> FloatMap<'a> {
     pub(super) fn of(bytes: &'a [u8], size: [u32; 2]) -> Result<Self, String> {
         let map = Self::fitted(bytes, size)?;
         match map.nodes == map.pixels {
+            true if !map.notes.is_empty() => Err(map.notes.join("; ")),
             true => Ok(map),
             false => {
                 let ([w, h], [columns, lines]) = (map.pixels, map.nodes);
@@ -66,25 +77,73 @@ impl<'a> FloatMap<'a> {
             .ok_or("has no scale")?;
         let [w, h] = nodes.map(|side| side as usize);
         let length = w.checked_mul(h).and_then(|nodes| nodes.checked_mul(12));
-        if length != Some(floats.len()) {
+        let there = length.and_then(|length| floats.get(..length));
+        let Some(there) = there else {
             let length = length.map_or("too many".to_owned(), |length| length.to_string());
             return Err(format!("has {} bytes of {length}", floats.len()));
+        };
+        let mut notes = Vec::new();
+        if there.len() < floats.len() {
+            let behind = floats.len() - there.len();
+            notes.push(format!(
+                "{} behind its floats are left out",
+                counted(behind as u64, "byte")
+            ));
         }
-        let map = Self {
+        let mut map = Self {
             nodes: [w, h],
             pixels: size.map(|side| side as usize),
             is_little: scale < 0.0,
-            floats,
+            floats: there,
+            scale: [1.0; 2],
+            is_zero_none: false,
+            notes,
         };
+        let mut zeros = 0;
         for (line, column) in (0..h).flat_map(|line| (0..w).map(move |column| (line, column))) {
-            let pair = [0, 1].map(|k| map.float(line, column, k));
-            if pair.iter().any(|it| it.is_infinite() || it.abs() > 1e6) {
+            let all = [0, 1, 2].map(|k| map.float(line, column, k));
+            zeros += usize::from(all == [0.0; 3]);
+            let pair = [all[0], all[1]];
+            if pair.iter().any(|it| it.abs() > 1e6) {
                 return Err(format!(
                     "has {pair:?} at column {column}, line {line}, expected -1e6 to 1e6"
                 ));
             }
         }
+        map.is_zero_none = zeros > 1;
         Ok(map)
+    }
+
+    /// The same whose first two floats are shares of 0 to 1, though the file counts pixels.
+    pub(super) fn of_shares(mut self) -> Result<Self, String> {
+        let [w, h] = self.nodes;
+        let all = (0..h).flat_map(|line| (0..w).map(move |column| (line, column)));
+        let pairs = all.map(|(line, column)| self.whole_pair([column, line]));
+        let largest = pairs.filter(|it| it.iter().all(|it| it.is_finite()));
+        let largest = largest.fold([0.0_f64; 2], |most, own| {
+            [0, 1].map(|k| most[k].max(own[k].abs()))
+        });
+        if largest.iter().all(|it| *it <= MOST_SHARE) {
+            return Ok(self);
+        }
+        let [w, h] = self.pixels;
+        let reaches = [0, 1].map(|k| largest[k] / self.pixels[k] as f64);
+        if !reaches.iter().all(|it| (0.5..=1.05).contains(it)) {
+            let [x, y] = largest;
+            return Err(format!(
+                "tells of places up to {x} and {y}, where 1 is the whole width or height, and \
+                 these are no pixels of {w} x {h}: write shares of 0 to 1"
+            ));
+        }
+        self.scale = self.pixels.map(|side| 1.0 / side as f64);
+        let note = format!("its places are pixels: they are divided by {w} and {h}");
+        self.notes.push(note);
+        Ok(self)
+    }
+
+    /// What of it was mended.
+    pub(super) fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     fn float(&self, line: usize, column: usize, k: usize) -> f32 {
@@ -104,7 +163,14 @@ impl<'a> FloatMap<'a> {
     /// The three floats of a pixel, a point in space; 0 where a node next to it has none. Lines
     /// as the file has them.
     pub(super) fn triple(&self, line: usize, column: usize) -> [f64; 3] {
-        let of = |at: [usize; 2]| [0, 1, 2].map(|k| f64::from(self.float(at[1], at[0], k)));
+        let of = |at: [usize; 2]| {
+            let all = [0, 1, 2].map(|k| self.float(at[1], at[0], k));
+            if is_unlit(all) {
+                [0.0; 3]
+            } else {
+                all.map(f64::from)
+            }
+        };
         if self.nodes == self.pixels {
             return of([column, line]);
         }
@@ -127,8 +193,12 @@ impl<'a> FloatMap<'a> {
     }
 
     fn whole_pair(&self, [column, line]: [usize; 2]) -> [f64; 2] {
-        let lost = lost_of(self.float(line, column, 2));
-        [0, 1].map(|k| f64::from(self.float(line, column, k)) + lost[k])
+        let all = [0, 1, 2].map(|k| self.float(line, column, k));
+        if is_unlit(all) || self.is_zero_none && all == [0.0; 3] {
+            return [f64::NAN; 2];
+        }
+        let lost = lost_of(all[2]);
+        [0, 1].map(|k| (f64::from(all[k]) + lost[k]) * self.scale[k])
     }
 
     /// The four nodes round a pixel, and their shares, which are 1 together: beyond the outermost
@@ -148,6 +218,11 @@ impl<'a> FloatMap<'a> {
             )
         })
     }
+}
+
+/// Whether the floats of a node say that nothing is lit there: not a number, or -1 all three.
+fn is_unlit(all: [f32; 3]) -> bool {
+    all[..2].iter().any(|it| it.is_nan()) || all == [-1.0; 3]
 }
 
 fn lost_of(third: f32) -> [f64; 2] {

@@ -6,9 +6,8 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::units::counted;
-use foveal_core::view::panel::rig::Rig;
 use foveal_scene::read::is_scene_file;
-use foveal_scene::rig::{Projector, is_foreign, rig_of_projectors, write_rig};
+use foveal_scene::rig::{NotedRig, Projector, is_foreign, rig_of_projectors, write_rig};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -115,6 +114,8 @@ struct ImportReport {
     panels: usize,
     /// That were written.
     files: Vec<String>,
+    /// What of the file was mended or left out.
+    remarks: Vec<String>,
 }
 
 impl ImportArgs {
@@ -134,17 +135,20 @@ impl ImportArgs {
             (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) => bail!(WrongUsage(format!(
                 "{name}: is no MPCDI, warp mesh or wall by its ending; give one that ends in \
-                 .mpcdi, .xml, .data, .mesh or .txt, or a wall in .obj, .ply, .stl, .gltf or .glb \
-                 with --projector"
+                 .mpcdi, .xml, .data, .mesh, .txt or .csv, or a wall in .obj, .ply, .stl, .gltf or \
+                 .glb with --projector"
             ))),
         }
     }
 
-    fn read(&self) -> anyhow::Result<Rig> {
+    fn read(&self) -> anyhow::Result<NotedRig> {
         match is_scene_file(&self.file) {
             true => {
                 let eye = self.eye_at.unwrap_or_default();
-                Ok(rig_of_projectors(&self.file, &self.projector, eye)?)
+                Ok(NotedRig {
+                    rig: rig_of_projectors(&self.file, &self.projector, eye)?,
+                    notes: Vec::new(),
+                })
             }
             false => read_noting(&self.file, self.eye_at),
         }
@@ -168,7 +172,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
             "--out {name}: something is there already; choose another name, or move it away"
         )));
     }
-    let rig = args.read()?;
+    let NotedRig { rig, notes } = args.read()?;
     let files = write_rig(&rig, stem).map_err(anyhow::Error::msg)?;
     let folder = args.out.parent().unwrap_or(Path::new(""));
     if folder != Path::new("") {
@@ -185,6 +189,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let report = ImportReport {
         panels: rig.panels.len(),
         files: names,
+        remarks: notes,
     };
     let mut text = format!("{}\n", counted(report.panels, "panel"));
     for file in &report.files {

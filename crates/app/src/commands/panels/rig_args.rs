@@ -8,7 +8,7 @@ use foveal_core::view::panel::fit::{PlacementRule, SourceFit, SourceSize, fit};
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_core::view::surface::Eye;
 use foveal_media::VideoInput;
-use foveal_scene::rig::read_rig_seen_from;
+use foveal_scene::rig::{NotedRig, read_rig_seen_from};
 use std::path::{Path, PathBuf};
 
 /// Whose panels are served together.
@@ -78,7 +78,7 @@ pub(crate) struct RigArgs {
 impl RigArgs {
     /// Reads the rig.
     pub(crate) fn read(&self) -> anyhow::Result<Rig> {
-        read_noting(&self.rig, None)
+        read_noting(&self.rig, None).map(|found| found.rig)
     }
 
     /// The panels that are asked for.
@@ -103,13 +103,13 @@ impl RigArgs {
     }
 }
 
-/// Reads a rig, and says what of its file is left out.
-pub(super) fn read_noting(path: &Path, eye: Option<[f64; 3]>) -> anyhow::Result<Rig> {
+/// Reads a rig, and says what of its file is left out or mended.
+pub(super) fn read_noting(path: &Path, eye: Option<[f64; 3]>) -> anyhow::Result<NotedRig> {
     let found = read_rig_seen_from(path, eye)?;
     for note in &found.notes {
         say(&format!("{}: {note}", path.display()));
     }
-    Ok(found.rig)
+    Ok(found)
 }
 
 /// What is drawn for the window where it is written as `WxH`, else a picture or video file.

@@ -2,6 +2,7 @@
 
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output::{self, WrongUsage, out_of_range};
+use crate::run::other_input::{no_scene, refuse_pack};
 use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
@@ -178,7 +179,8 @@ impl PrepareSceneArgs {
             }),
             allow_outside: self.allow_outside,
         };
-        Ok(read(&inputs, &options)?)
+        inputs.iter().try_for_each(|input| refuse_pack(input))?;
+        read(&inputs, &options).map_err(|error| no_scene(&inputs, error.into()))
     }
 
     fn build(&self, source: &SourceScene, jobs: usize) -> anyhow::Result<Built> {

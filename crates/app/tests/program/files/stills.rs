@@ -286,6 +286,41 @@ fn animations_are_played_with_the_times_of_all_their_pictures() {
 }
 
 #[test]
+fn an_animated_webp_vanishes_where_it_says_and_is_shown_as_far_as_it_is_whole() {
+    let folder = Folder::new();
+    let mut webp = b"WEBP".to_vec();
+    webp.extend(chunk(b"VP8X", &[0x12, 0, 0, 0, 31, 0, 0, 31, 0, 0]));
+    webp.extend(chunk(b"ANIM", &[0; 6]));
+    // A white square that goes from corner to corner.
+    for [x, y] in [[0, 0], [8, 0], [0, 8]] {
+        let mut still = Vec::new();
+        let square = WebPEncoder::new(&mut still);
+        square
+            .encode(&[255; 16 * 16 * 4], 16, 16, ColorType::Rgba8)
+            .unwrap();
+        let mut frame = vec![x, 0, 0, y, 0, 0, 15, 0, 0, 15, 0, 0, 100, 0, 0, 1];
+        frame.extend(&still[12..]);
+        webp.extend(chunk(b"ANMF", &frame));
+    }
+    let whole = chunk(b"RIFF", &webp);
+    let (told, _, _) = seen(&folder, &folder.holding("a.webp", &whole), "32x32");
+    assert_eq!(told["repairs"], serde_json::json!({}), "{told}");
+    for (frame, lit) in [0, 1, 2].into_iter().enumerate() {
+        let shown = of_quarters(&frame_picture(&folder.name("seen"), frame));
+        for (quarter, luma) in shown.into_iter().enumerate() {
+            assert_eq!(luma > 128, quarter == lit, "{frame}: {shown:?}");
+        }
+    }
+    let cut = folder.holding("cut.webp", &whole[..whole.len() - 20]);
+    let (told, _, _) = seen(&folder, &cut, "32x32");
+    let found = (&told["frames"], &told["repairs"]["cut_short"]);
+    assert_eq!(found, (&2.into(), &1.into()), "{told}");
+    let out = folder.name("never.foveal");
+    let strict = ["prepare", "video", &cut, "--strict", "--out", &out];
+    refused(1, &strict, &["cut short: 1"]);
+}
+
+#[test]
 fn alpha_that_is_opaque_everywhere_is_no_transparency() {
     let folder = Folder::new();
     let pixels: Vec<u8> = (0..64 * 64u32)

@@ -1,5 +1,6 @@
 //! How do the packets of a file become decoded frames, and where do they break off?
 
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use av::codec::{Id, threading};
@@ -11,9 +12,10 @@ use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::film::cut_short::why_cut;
+use crate::read::film::cut_short::{ToldEnd, why_cut};
 use crate::read::film::damage_log::DamageLog;
 use crate::read::film::holes::Pieces;
+use crate::read::film::joints::Joints;
 use crate::read::film::mending::{Beginning, Judge, Mending, Place};
 use crate::read::film::opening::{open_input, read_packet};
 use crate::read::source;
@@ -34,6 +36,10 @@ const LOST: &str = "its data are incomplete, or two streams were joined here, wh
 /// What is reported of a container with a part passed over, and of a packet with a hole.
 const PASSED_OVER: &str = "a part of it does not belong to its format";
 const HOLE: &str = "a part of a picture is gone, with zeros in its place";
+
+/// Packets behind one that is told to be damaged within which another recording may begin: FFmpeg
+/// tells it of one or two before.
+const JOINT_WITHIN: usize = 3;
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
 const MOST_AT_END: u32 = 64;
@@ -74,6 +80,10 @@ pub(crate) struct FrameReader {
     errors_at_end: Option<u32>,
     /// Why it is cut, where the container does not report that at its end.
     why_cut: Option<String>,
+    told_end: ToldEnd,
+    joints: Joints,
+    /// Read while it was looked what follows another packet.
+    held: VecDeque<Packet>,
     path: PathBuf,
     bytes: u64,
     beginning: Beginning,
@@ -124,8 +134,10 @@ impl FrameReader {
             true => Judge::of(|log| open_decoder(&stream, true, false, log).ok()),
             false => None,
         };
+        let joints = Joints::of(input.format().name(), stream.time_base());
         let stream = stream.index();
         let why_cut = why_cut(path, bytes, input.format().name());
+        let told_end = ToldEnd::of(&input);
         let is_mp4 = input.format().name().contains("mp4");
         let aperture = is_mp4.then(|| clean_aperture_of(path)).flatten();
         Ok(Self {
@@ -139,6 +151,9 @@ impl FrameReader {
             failure: None,
             errors_at_end: None,
             why_cut,
+            told_end,
+            joints,
+            held: VecDeque::new(),
             path: path.to_owned(),
             bytes,
             beginning: Beginning::default(),
@@ -180,7 +195,13 @@ impl FrameReader {
     pub(crate) fn damage(&self) -> [u64; 3] {
         let first = self.beginning.first();
         let [damaged, lost] = self.mending.as_ref().map_or([0; 2], |it| it.counts(first));
-        [self.beginning.dropped(), damaged, lost]
+        let is_at_end = self.errors_at_end.is_some();
+        [self.beginning.dropped(is_at_end), damaged, lost]
+    }
+
+    /// How often time stamps began again, as where recordings were joined.
+    pub(crate) fn joined(&self) -> u64 {
+        self.joints.found()
     }
 
     /// Whether something was found that is no damage after all.
@@ -285,45 +306,93 @@ impl FrameReader {
 
     /// Gives the decoder one packet of the stream, or signals that there are no more.
     fn feed(&mut self) -> Result<(), Break> {
+        let mut packet = Packet::empty();
+        let read = self.next_packet(&mut packet);
+        if self.file_log.has_heard() {
+            match &mut self.mending {
+                None => return Err(Break::Damaged(PASSED_OVER.to_owned())),
+                Some(mending) => mending.note(Place::Unknown),
+            }
+        }
+        let failure = match read {
+            Ok(true) if packet.is_corrupt() && self.mending.is_none() => {
+                Some(Break::Damaged(LOST.to_owned()))
+            }
+            Ok(true) => return self.send(&packet),
+            Ok(false) if self.why_cut.is_some() => self.why_cut.clone().map(Break::Ends),
+            Ok(false) if self.has_rest() => {
+                Some(Break::Ends("it ends within a picture".to_owned()))
+            }
+            Ok(false) if self.told_end.why_short().is_some() => {
+                self.told_end.why_short().map(Break::Ends)
+            }
+            Ok(false) if self.has_shrunk() => {
+                Some(Break::Fails("it was cut while it was read".to_owned()))
+            }
+            Ok(false) => None,
+            Err(_) if self.has_shrunk() => {
+                Some(Break::Fails("it was cut while it was read".to_owned()))
+            }
+            Err(why) => Some(Break::Ends(why)),
+        };
+        self.failure = failure;
+        self.errors_at_end = Some(0);
+        match self.decoder.send_eof() {
+            Ok(()) => Ok(()),
+            // It says so of the last frame; those that it still holds come.
+            Err(error) => self.refused(None, &error),
+        }
+    }
+
+    /// Reads the next packet of the stream, whose stamps follow those before; false at the end.
+    fn next_packet(&mut self, packet: &mut Packet) -> Result<bool, String> {
+        match self.held.pop_front() {
+            Some(held) => *packet = held,
+            None if self.read_own(packet)?.is_none() => return Ok(false),
+            None => {}
+        }
+        if self.is_container("mpegts") && packet.is_corrupt() && self.held.is_empty() {
+            self.look_for_joint(packet);
+        }
+        Ok(true)
+    }
+
+    /// Where recordings are joined, the counter of their pieces begins again too, which FFmpeg
+    /// tells of one of the packets before, and is no damage.
+    fn look_for_joint(&mut self, packet: &mut Packet) {
+        for _ in 0..JOINT_WITHIN {
+            let mut next = Packet::empty();
+            // What stops it there is told in its turn.
+            let Ok(Some(is_joint)) = self.read_own(&mut next) else {
+                return;
+            };
+            self.held.push_back(next);
+            if is_joint {
+                let all = self.held.iter_mut().chain([packet]);
+                all.for_each(|it| it.set_flags(it.flags() - av::packet::Flags::CORRUPT));
+                return;
+            }
+        }
+    }
+
+    /// The same from the file: whether time stamps begin again there; none at the end.
+    fn read_own(&mut self, packet: &mut Packet) -> Result<Option<bool>, String> {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.
-            let mut packet = Packet::empty();
-            let read = read_packet(&mut packet, &mut self.input);
-            if self.file_log.has_heard() {
-                match &mut self.mending {
-                    None => return Err(Break::Damaged(PASSED_OVER.to_owned())),
-                    Some(mending) => mending.note(Place::Unknown),
-                }
+            *packet = Packet::empty();
+            if !read_packet(packet, &mut self.input)? {
+                return Ok(None);
             }
-            let failure = match read {
-                Ok(true) if packet.stream() != self.stream => continue,
-                Ok(true) if packet.is_corrupt() && self.mending.is_none() => {
-                    Some(Break::Damaged(LOST.to_owned()))
-                }
-                // Some containers hold packets without data, which decoders refuse.
-                Ok(true) if packet.size() == 0 => continue,
-                Ok(true) => return self.send(&packet),
-                Ok(false) if self.why_cut.is_some() => self.why_cut.clone().map(Break::Ends),
-                Ok(false) if self.has_rest() => {
-                    Some(Break::Ends("it ends within a picture".to_owned()))
-                }
-                Ok(false) if self.has_shrunk() => {
-                    Some(Break::Fails("it was cut while it was read".to_owned()))
-                }
-                Ok(false) => None,
-                Err(_) if self.has_shrunk() => {
-                    Some(Break::Fails("it was cut while it was read".to_owned()))
-                }
-                Err(why) => Some(Break::Ends(why)),
-            };
-            self.failure = failure;
-            self.errors_at_end = Some(0);
-            return match self.decoder.send_eof() {
-                Ok(()) => Ok(()),
-                // It says so of the last frame; those that it still holds come.
-                Err(error) => self.refused(None, &error),
-            };
+            self.told_end.note(&self.input, packet);
+            // Some containers hold packets without data, which decoders refuse.
+            if packet.stream() == self.stream && packet.size() > 0 {
+                return Ok(Some(self.joints.follow(packet)));
+            }
         }
+    }
+
+    fn is_container(&self, name: &str) -> bool {
+        self.input.format().name() == name
     }
 
     fn send(&mut self, packet: &Packet) -> Result<(), Break> {
@@ -362,8 +431,7 @@ impl FrameReader {
     /// Whether a file of pictures without an index ends with a part of one, which FFmpeg takes for
     /// its end.
     fn has_rest(&self) -> bool {
-        self.input.format().name() == "yuv4mpegpipe"
-            && self.last_end.is_some_and(|end| end < self.bytes)
+        self.is_container("yuv4mpegpipe") && self.last_end.is_some_and(|end| end < self.bytes)
     }
 
     /// Whether the file is shorter than when it was opened.

@@ -134,6 +134,7 @@ impl Frames {
             deinterlaced: self.deinterlaced,
             interlaced: self.interlaced,
             clusters: self.clusters,
+            joined: self.reader.joined(),
             ..Mended::default()
         }
     }

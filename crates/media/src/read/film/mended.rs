@@ -23,6 +23,8 @@ pub struct Mended {
     pub breaks_off: Option<String>,
     /// Time stamps that did not rise and were replaced by the frame rate.
     pub repaired_stamps: u64,
+    /// Places where recordings were joined, so that time stamps began again.
+    pub joined: u64,
     /// Interlaced frames that were made pictures of one moment.
     pub deinterlaced: u64,
     /// Interlaced frames that were left as they are, and why.
@@ -48,6 +50,7 @@ impl Mended {
             ("damaged_clusters", self.clusters.damaged),
             ("cut_short", u64::from(self.breaks_off.is_some())),
             ("time_stamps", self.repaired_stamps),
+            ("joined_recordings", self.joined),
             ("deinterlaced_frames", self.deinterlaced),
             ("resized_frames", self.resized),
             ("reshaped_frames", self.reshaped),
@@ -97,6 +100,13 @@ impl Mended {
                 "it breaks off after {}, at {seconds:.2} s ({why}); copy it again if it was cut \
                  short",
                 counted(frames, "frame")
+            ));
+        }
+        if self.joined > 0 {
+            remarks.push(format!(
+                "its time stamps begin again {}, as where recordings are joined: what follows is \
+                 played after what came before",
+                counted(self.joined, "time")
             ));
         }
         remarks.extend(self.interlacing());

@@ -70,6 +70,8 @@ pub(crate) struct Beginning {
     /// The first frame, once it came out.
     first: Option<Place>,
     late: u32,
+    /// Where packets lie whose stamps nobody told and whose frames have not come out.
+    untold: Vec<i64>,
     /// Whether the first packet leans on others, which are gone.
     is_open: bool,
     dropped: u64,
@@ -89,11 +91,19 @@ impl Beginning {
             None => self.early.push(place),
             Some(first) if self.late < MOST_LATE => {
                 self.late += 1;
+                self.note_untold(place, first);
                 self.dropped += u64::from(place.is_before(first));
             }
             Some(_) => {}
         }
         Ok(())
+    }
+
+    /// Takes note of a packet of a stream with stamps that has none.
+    fn note_untold(&mut self, place: Place, first: Place) {
+        if let (Place::Byte(at), Place::Stamp(_)) = (place, first) {
+            self.untold.push(at);
+        }
     }
 
     /// Whether nothing was taken note of.
@@ -114,14 +124,21 @@ impl Beginning {
     /// Takes note of a frame that is shown.
     pub(crate) fn shown(&mut self, frame: &Video) {
         self.shown = self.shown.saturating_add(1);
-        if self.first.is_some() {
-            return;
+        let at = frame.packet().position;
+        if self.first.is_none() {
+            let first = match (Place::of_frame(frame), frame.timestamp()) {
+                (Place::Unknown, Some(guess)) => Place::Stamp(guess),
+                (known, _) => known,
+            };
+            let early = std::mem::take(&mut self.early);
+            let before = early.iter().filter(|place| place.is_before(first));
+            self.dropped = before.count() as u64;
+            for place in early {
+                self.note_untold(place, first);
+            }
+            self.first = Some(first);
         }
-        let first = Place::of_frame(frame);
-        let early = std::mem::take(&mut self.early);
-        let before = early.into_iter().filter(|place| place.is_before(first));
-        self.dropped = before.count() as u64;
-        self.first = Some(first);
+        self.untold.retain(|it| *it != at);
     }
 
     /// Whether a frame has come out.
@@ -140,9 +157,11 @@ impl Beginning {
         self.first
     }
 
-    /// Packets that were to be shown before the first frame, and are not.
-    pub(crate) fn dropped(&self) -> u64 {
-        self.dropped
+    /// Packets that were to be shown before the first frame, and are not; once all frames have
+    /// come out, those that became none, too.
+    pub(crate) fn dropped(&self, have_all_come: bool) -> u64 {
+        let untold = if have_all_come { self.untold.len() } else { 0 };
+        self.dropped + untold as u64
     }
 }
 

@@ -2,12 +2,13 @@
 
 pub mod animation_end;
 pub mod clusters;
-pub(crate) mod cut_short;
+pub mod cut_short;
 pub(crate) mod damage_log;
 pub mod deinterlace;
 pub(crate) mod frame_reader;
 pub(crate) mod frames;
 pub(crate) mod holes;
+pub(crate) mod joints;
 pub mod mended;
 pub(crate) mod mending;
 pub(crate) mod opening;

@@ -66,7 +66,7 @@ impl HeifStill {
             orientation: heif.orientation,
             photo_sphere: shown.photo_sphere,
             broken: heif.passed_over.clone(),
-            notes: Vec::new(),
+            notes: shown.notes.clone(),
         };
         let aspect = heif.pixel_aspect.map(|sides| sides.map(|side| side as i32));
         let aspect = aspect.filter(|[w, h]| *w > 0 && *h > 0 && w != h && w / h < 8 && h / w < 8);
@@ -136,6 +136,8 @@ struct Shown {
     is_clear: bool,
     is_hdr: bool,
     photo_sphere: Option<PhotoSphere>,
+    /// What is not shown of it.
+    notes: Vec<String>,
 }
 
 impl Shown {
@@ -157,8 +159,9 @@ impl Shown {
                     .push(format!("its transparency is not read: {why}")),
             }
         }
+        let mut notes = Vec::new();
         if heif.is_series {
-            heif.passed_over.push(
+            notes.push(
                 "it is an animation, whose first picture is shown; `ffmpeg -i FILE OUT.mp4` of \
                  FFmpeg 7 or later makes a film of it"
                     .to_owned(),
@@ -189,6 +192,7 @@ impl Shown {
             ),
             picture,
             photo_sphere,
+            notes,
         })
     }
 }

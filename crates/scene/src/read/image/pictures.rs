@@ -67,14 +67,14 @@ pub(in crate::read) fn leave_out_pictures(scene: &mut SourceScene) {
     count(&mut scene.repairs, "animated_images", moving.len());
     for name in moving.iter().take(MOST_NAMED) {
         scene.remark(format!(
-            "the picture {name:?} moves: the first of its pictures is shown"
+            "the picture \"{name}\" moves: the first of its pictures is shown"
         ));
     }
     for (image, what) in out.iter().take(MOST_NAMED) {
         let name = scene.images.get(*image).map_or("", |it| it.name.as_str());
         let name = shortened(name);
         scene.remark(format!(
-            "picture {image}, {name:?}, {what}; it is left out, and surfaces have their colour \
+            "picture {image}, \"{name}\", {what}; it is left out, and surfaces have their colour \
              alone"
         ));
     }
@@ -90,7 +90,7 @@ fn tell_damage(scene: &mut SourceScene, shown: &HashSet<usize>) {
         .collect();
     count(&mut scene.repairs, "damaged_images", damaged.len());
     for (name, what) in damaged.iter().take(MOST_NAMED) {
-        scene.remark(format!("the picture {name:?} {what}"));
+        scene.remark(format!("the picture \"{name}\" {what}"));
     }
 }
 

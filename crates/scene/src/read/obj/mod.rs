@@ -396,7 +396,7 @@ impl Reader<'_> {
                 if !self.scene.repairs.contains_key(missing) {
                     let name = shortened(name);
                     self.scene.remark(format!(
-                        "the materials in {name:?}, named in line {line}, cannot be read \
+                        "the materials in \"{name}\", named in line {line}, cannot be read \
                          ({reason}): surfaces are white"
                     ));
                 }

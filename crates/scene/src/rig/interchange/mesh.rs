@@ -2,8 +2,10 @@
 //!
 //! Bourke's text: the type of picture it is for, columns and rows of nodes, and for each node, row
 //! by row, x and y on the display (x in half heights), u and v in the picture, both up, and the
-//! share of light i, below 0 where nothing is drawn.
+//! share of light i, below 0 where nothing is drawn. Other programs write i from 0 to 255, and what
+//! is no number where nothing is drawn.
 
+use foveal_core::units::counted;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::panel::alpha::AlphaMap;
@@ -23,10 +25,17 @@ const WIDEST: f64 = 8.0;
 /// Most nodes, and how often they may cover a display's pixels.
 const MOST_NODES: usize = 1 << 20;
 const MOST_COVERED: u64 = 64;
-/// Largest place of a node on the display or in the picture.
-const LARGEST: f64 = 1e3;
-/// Width and height of the screen that the picture fills, in distances from the eye. How large it
-/// looks is unknown.
+/// Largest number of a node.
+const LARGEST: f64 = 1e5;
+/// Largest place of a node in the picture that is a share of its width or height: others count
+/// pixels.
+const MOST_SHARE: f64 = 2.0;
+/// Largest share of light that is one, and what programs write for all light that count it.
+const MOST_LIGHT: f64 = 2.0;
+const ALL_LIGHT: [f64; 2] = [255.0, 65_535.0];
+const PERCENT: f64 = 100.0;
+/// Width and height of the screen that the picture fills, in distances from the eye. Nothing tells
+/// how large it looks.
 const SCREEN: [f64; 2] = [1.0; 2];
 
 /// A node: where on the display, where in the picture, and how bright.
@@ -36,6 +45,46 @@ struct MeshNode {
     at: [f64; 2],
     shows: [f64; 2],
     light: f64,
+}
+
+/// A share of light that says that nothing is drawn.
+const UNLIT: f64 = -1.0;
+
+impl MeshNode {
+    fn next<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Self, RigFault> {
+        let (line, five) = next_numbers(lines, "x, y, u, v and i of a node", 4..=5)?;
+        let is_number = five.iter().all(|it| it.is_finite());
+        if is_number && five.iter().any(|it| it.abs() > LARGEST) {
+            let what = format!("a node has numbers above {LARGEST}");
+            return Err(RigFault::new(&format!("line {line}"), what, NEXT));
+        }
+        Ok(Self {
+            line,
+            at: [five[0], five[1]],
+            shows: [five[2], five[3]],
+            // What has any that is none is not drawn.
+            light: match five.get(4) {
+                _ if !is_number => f64::NAN,
+                light => light.copied().unwrap_or(1.0),
+            },
+        })
+    }
+
+    fn is_number(&self) -> bool {
+        !self.light.is_nan()
+    }
+}
+
+impl Default for MeshNode {
+    /// One where nothing is drawn.
+    fn default() -> Self {
+        Self {
+            line: 0,
+            at: [0.0; 2],
+            shows: [0.0; 2],
+            light: UNLIT,
+        }
+    }
 }
 
 /// A grid of nodes.
@@ -51,6 +100,7 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<(Rig, Vec<String>), RigFaul
     let aspect = mesh
         .nodes
         .iter()
+        .filter(|it| it.at[0].is_finite())
         .map(|it| it.at[0].abs())
         .fold(0.0, f64::max);
     if !(0.01..=WIDEST).contains(&aspect) {
@@ -111,6 +161,28 @@ fn without_comment(line: &str) -> &str {
     }
 }
 
+/// Whether a line names what stands in columns below it.
+fn is_heading(line: &str) -> bool {
+    let words = words(line, 8);
+    let is_name = |it: &&str| {
+        let it = it.trim_matches(['"', '\'']);
+        [
+            "x",
+            "y",
+            "u",
+            "v",
+            "i",
+            "intensity",
+            "type",
+            "columns",
+            "rows",
+        ]
+        .iter()
+        .any(|name| it.eq_ignore_ascii_case(name))
+    };
+    !words.is_empty() && words.iter().all(is_name)
+}
+
 /// The words of a line, parted by blanks, or by commas or semicolons where these make as many as
 /// there are to be at most; one more where there are more.
 fn words(line: &str, most: usize) -> Vec<&str> {
@@ -134,31 +206,36 @@ fn number(word: &&str) -> Option<f64> {
         .ok()
 }
 
+/// The numbers of the next line, which is to be so many.
+fn next_numbers<'a>(
+    lines: &mut impl Iterator<Item = (usize, &'a str)>,
+    what: &str,
+    counts: std::ops::RangeInclusive<usize>,
+) -> Result<(usize, Vec<f64>), RigFault> {
+    let Some((line, text)) = lines.next() else {
+        return Err(RigFault::new("", format!("ends before {what}"), NEXT));
+    };
+    let numbers: Option<Vec<f64>> = words(text, *counts.end()).iter().map(number).collect();
+    let sound = numbers.filter(|it| counts.contains(&it.len()));
+    let fault = || RigFault::new(&format!("line {line}"), format!("is not {what}"), NEXT);
+    sound.map(|it| (line, it)).ok_or_else(fault)
+}
+
 impl WarpMesh {
     /// Of text whose lines end in line feeds; with what is left out of it.
     fn of(text: &str) -> Result<(Self, Vec<String>), RigFault> {
         let lines = (1..).zip(text.lines().map(without_comment));
-        let mut lines = lines.filter(|(_, line)| !line.is_empty()).peekable();
+        let lines = lines.filter(|(_, line)| !line.is_empty() && !is_heading(line));
+        let mut lines = lines.peekable();
         // Some write the type before the counts, in their line.
         let is_one = lines
             .peek()
             .is_some_and(|(_, line)| words(line, 3).len() == 3);
-        let mut next = |what: &'static str, counts: std::ops::RangeInclusive<usize>| {
-            let Some((line, text)) = lines.next() else {
-                return Err(RigFault::new("", format!("ends before {what}"), NEXT));
-            };
-            let numbers: Option<Vec<f64>> = words(text, *counts.end()).iter().map(number).collect();
-            let sound = numbers.filter(|it| {
-                counts.contains(&it.len()) && it.iter().all(|number| number.is_finite())
-            });
-            let fault = || RigFault::new(&format!("line {line}"), format!("is not {what}"), NEXT);
-            sound.map(|it| (line, it)).ok_or_else(fault)
-        };
         if !is_one {
-            next("the type of the picture", 1..=1)?;
+            next_numbers(&mut lines, "the type of the picture", 1..=1)?;
         }
         let own = 2 + usize::from(is_one);
-        let (line, counts) = next("columns and rows of nodes", own..=own)?;
+        let (line, counts) = next_numbers(&mut lines, "columns and rows of nodes", own..=own)?;
         let counts = &counts[own - 2..];
         let is_count = |it: &f64| it.fract() == 0.0 && (2.0..=1e5).contains(it);
         let [columns, rows] = [counts[0] as usize, counts[1] as usize];
@@ -167,24 +244,74 @@ impl WarpMesh {
                 format!("columns and rows are not 2 or more, and {MOST_NODES} at most in all");
             return Err(RigFault::new(&format!("line {line}"), what, NEXT));
         }
-        let mut nodes = Vec::new();
-        for _ in 0..columns * rows {
-            let (line, five) = next("x, y, u, v and i of a node", 4..=5)?;
-            if five.iter().any(|it| it.abs() > LARGEST) {
-                let what = format!("a node has numbers above {LARGEST}");
-                return Err(RigFault::new(&format!("line {line}"), what, NEXT));
+        let (mut nodes, mut notes) = (Vec::new(), Vec::new());
+        while nodes.len() < columns * rows {
+            match MeshNode::next(&mut lines) {
+                // The file breaks off within a row.
+                Err(_) if lines.peek().is_none() && nodes.len() >= 2 * columns => break,
+                node => nodes.push(node?),
             }
-            nodes.push(MeshNode {
-                line,
-                at: [five[0], five[1]],
-                shows: [five[2], five[3]],
-                light: five.get(4).copied().unwrap_or(1.0),
-            });
         }
-        let behind = lines.next().map(|(line, _)| {
+        let unlit = |count: usize, which: &str| {
+            let found = counted(count as u64, "node");
+            (count > 0).then(|| format!("nothing is drawn at {found} {which}"))
+        };
+        let without = nodes.iter().filter(|it| !it.is_number()).count();
+        notes.extend(unlit(without, "with what is no number"));
+        let missing = columns * rows - nodes.len();
+        notes.extend(unlit(missing, "that the file lacks at its end"));
+        nodes.resize(columns * rows, MeshNode::default());
+        notes.extend(lines.next().map(|(line, _)| {
             format!("line {line} and what follows lie behind the nodes and are not read")
-        });
-        Ok((Self { columns, nodes }, behind.into_iter().collect()))
+        }));
+        let mut mesh = Self { columns, nodes };
+        mesh.check_places()?;
+        notes.extend(mesh.level_light());
+        Ok((mesh, notes))
+    }
+
+    fn lit(&self) -> impl Iterator<Item = &MeshNode> {
+        self.nodes.iter().filter(|it| it.light >= 0.0)
+    }
+
+    /// Refuses places that are pixels of a picture: nothing tells how many it has.
+    fn check_places(&self) -> Result<(), RigFault> {
+        let reach = |k: usize| self.lit().map(|it| it.shows[k].abs()).fold(0.0, f64::max);
+        let [u, v] = [0, 1].map(reach);
+        match u.max(v) > MOST_SHARE {
+            true => {
+                let what = format!(
+                    "u reaches {u} and v {v}, as pixels of a picture do whose size the file does \
+                     not tell: divide them by its width and height"
+                );
+                Err(RigFault::new("", what, NEXT))
+            }
+            false => Ok(()),
+        }
+    }
+
+    /// Makes shares of light of what a program counts in another unit, and says so.
+    fn level_light(&mut self) -> Option<String> {
+        let most = self.lit().map(|it| it.light).fold(0.0, f64::max);
+        if most <= 1.0 {
+            return None;
+        }
+        if most <= MOST_LIGHT {
+            return Some(format!(
+                "its light reaches {most}: what is above 1 is taken for 1"
+            ));
+        }
+        let all = match most == PERCENT {
+            true => PERCENT,
+            false => ALL_LIGHT
+                .into_iter()
+                .find(|all| most <= *all)
+                .unwrap_or(most),
+        };
+        self.nodes.iter_mut().for_each(|it| it.light /= all);
+        Some(format!(
+            "its light reaches {most}, where 1 would be all: it is divided by {all}"
+        ))
     }
 
     /// Its triangles, two a cell, of lit nodes.

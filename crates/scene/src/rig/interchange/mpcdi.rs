@@ -13,7 +13,7 @@ use super::super::entries::{
 use super::super::error::{RigFault, WrongKey};
 use super::super::pfm::{FloatMap, ReadBeside};
 use super::archive::Archive;
-use super::foreign_text::{text_of, without_doctype};
+use super::foreign_text::{without_doctype, xml_text_of};
 use super::mpcdi_files::{MpcdiFiles, MpcdiFilling, named};
 use super::space_map::SpaceMap;
 use super::warp_map::WarpMap;
@@ -79,7 +79,7 @@ pub(in super::super) fn read(
 
 /// Whether bytes are a document whose first element is that of an MPCDI.
 fn is_mpcdi(bytes: &[u8]) -> bool {
-    let Ok(text) = text_of(bytes) else {
+    let Ok((text, _)) = xml_text_of(bytes) else {
         return false;
     };
     let text = without_doctype(&text);
@@ -92,10 +92,11 @@ fn read_document(
     files: MpcdiFiles<'_>,
     eye: Option<[f64; 3]>,
 ) -> Result<MpcdiRig, RigFault> {
-    let text = text_of(bytes)?;
+    let (text, notes) = xml_text_of(bytes)?;
     let text = without_doctype(&text);
     let document = parse(&text)?;
     let mut filling = MpcdiFilling::of(files, eye);
+    filling.notes.extend(notes);
     let rig = MpcdiDocument::of(XmlElement::root(&document))?.rig(&mut filling)?;
     let notes = filling.notes;
     Ok(MpcdiRig { rig, notes })
@@ -133,6 +134,8 @@ struct MpcdiRegion<'a> {
     aspect: f64,
     /// Columns and rows of the buffer, where it gives them.
     buffer: Option<[f64; 2]>,
+    /// What of it was mended, for people.
+    notes: Vec<String>,
 }
 
 impl<'a> MpcdiDocument<'a> {
@@ -199,6 +202,7 @@ impl<'a> MpcdiDocument<'a> {
         let mut rig =
             checked::placed(&entries, &nothing).map_err(|wrong| self.fault(&wrong, &spaces))?;
         self.note_places(&rig.panels, &mut filling.notes);
+        self.note_filesets(&mut filling.notes);
         let all = self.regions.iter().zip(spaces).zip(&mut rig.panels);
         for ((region, space), panel) in all {
             let Some(set) = self.files_of(region) else {
@@ -209,7 +213,7 @@ impl<'a> MpcdiDocument<'a> {
                 (Some(space), _) => space.map,
                 (None, Some(warp)) => {
                     let read = |map: &FloatMap<'_>| WarpMap::read(map, region.size);
-                    filling.floats((region.element, region.size), warp, &read)?
+                    filling.floats((region.element, region.size), (warp, true), &read)?
                 }
                 (None, None) => WarpMap::Even,
             };
@@ -224,6 +228,8 @@ impl<'a> MpcdiDocument<'a> {
     fn note_places(&self, panels: &[Panel], notes: &mut Vec<String>) {
         for region in &self.regions {
             let id = &region.id;
+            let own = region.notes.iter();
+            notes.extend(own.map(|note| format!("region {id:?}: {note}")));
             if region
                 .element
                 .attribute("id")
@@ -277,7 +283,7 @@ impl<'a> MpcdiDocument<'a> {
         let eye = filling.eye_before(warp)?;
         let read = |map: &FloatMap<'_>| SpaceMap::read(map, region.size, eye);
         filling
-            .floats((region.element, region.size), warp, &read)
+            .floats((region.element, region.size), (warp, false), &read)
             .map(Some)
     }
 
@@ -286,7 +292,58 @@ impl<'a> MpcdiDocument<'a> {
         let own = region.element.all_within("fileset").next();
         let id = region.element.attribute("id");
         let named = |it: &XmlElement<'_>| id.is_some() && it.attribute("region") == id;
-        own.or_else(|| self.root.all_within("fileset").find(named))
+        let own = own.or_else(|| self.root.all_within("fileset").find(named));
+        own.or_else(|| {
+            self.root
+                .all_within("fileset")
+                .find(|it| self.means(*it, id))
+        })
+    }
+
+    /// Whether files are of the region of an id but for the case of letters and blanks in it, and
+    /// no region is called as they say.
+    fn means(&self, set: XmlElement<'_>, id: Option<&str>) -> bool {
+        let plain = |name: &str| -> String {
+            let letters = name.chars().filter(|it| !it.is_whitespace());
+            letters.flat_map(char::to_lowercase).collect()
+        };
+        let Some((said, id)) = set.attribute("region").zip(id) else {
+            return false;
+        };
+        let is_own = |it: &MpcdiRegion<'_>| it.element.attribute("id") == Some(said);
+        !self.regions.iter().any(is_own) && plain(said) == plain(id)
+    }
+
+    /// What is odd about the regions that files say they are of.
+    fn note_filesets(&self, notes: &mut Vec<String>) {
+        let taken: Vec<_> = self.regions.iter().map(|it| self.files_of(it)).collect();
+        for set in self.root.all_within("fileset") {
+            let said = set.attribute("region").unwrap_or_default();
+            let by = taken.iter().position(|it| it.is_some_and(|it| it.is(set)));
+            match by.map(|at| self.regions[at].element.attribute("id").unwrap_or_default()) {
+                Some(id) if said != id && !said.is_empty() => {
+                    notes.push(format!("the files of region {said:?} are taken for {id:?}"));
+                }
+                Some(_) => {}
+                None => notes.push(format!(
+                    "the files of region {said:?} are left out: no region is called so, or others \
+                     of its name come before"
+                )),
+            }
+        }
+        let lacks = self
+            .regions
+            .iter()
+            .zip(&taken)
+            .filter(|(_, it)| it.is_none());
+        if taken.iter().any(Option::is_some) {
+            notes.extend(lacks.map(|(region, _)| {
+                format!(
+                    "region {:?} has no files: it is neither bent nor faded",
+                    region.id
+                )
+            }));
+        }
     }
 
     /// What the check of a rig calls wrong, by the region that says it, or its map of points.
@@ -322,22 +379,29 @@ impl<'a> MpcdiRegion<'a> {
         let id = element.attribute("id").filter(|id| !id.is_empty());
         let id = id.map_or_else(|| format!("region{number}"), str::to_owned);
         let number = |it: XmlElement<'_>, name: &str| it.number(name);
-        let whole = [
-            number(buffer, "xResolution")?,
-            number(buffer, "yResolution")?,
-        ];
-        let mut part = [0.0, 0.0, 1.0, 1.0];
-        for (k, name) in ["x", "y", "xSize", "ySize"].into_iter().enumerate() {
-            part[k] = number(element, name)?.unwrap_or(part[k]);
-            if !(-ROUNDED..=1.0 + ROUNDED).contains(&part[k]) {
-                return Err(element.fault(name, format!("{} is no share of 0 to 1", part[k])));
+        let mut notes = Vec::new();
+        let mut count = |it: XmlElement<'_>, name: &str, of: &str| {
+            let found = number(it, name)?;
+            if found == Some(0.0) {
+                notes.push(format!("0 as the {name} of {of} is taken for not told"));
             }
-            part[k] = part[k].clamp(0.0, 1.0);
+            Ok(found.filter(|it| *it != 0.0))
+        };
+        let whole = [
+            count(buffer, "xResolution", "its buffer")?,
+            count(buffer, "yResolution", "its buffer")?,
+        ];
+        let own = [
+            count(element, "xResolution", "its own")?,
+            count(element, "yResolution", "its own")?,
+        ];
+        let (part, counts_pixels) = Self::part_of(element, whole)?;
+        if counts_pixels {
+            notes.push("its place counts pixels: it is divided by those of the buffer".to_owned());
         }
         let mut size = [0; 2];
         for (k, name) in ["xResolution", "yResolution"].into_iter().enumerate() {
-            let own = number(element, name)?;
-            let pixels = own.or_else(|| whole[k].map(|whole| (whole * part[k + 2]).round()));
+            let pixels = own[k].or_else(|| whole[k].map(|whole| (whole * part[k + 2]).round()));
             let pixels = pixels.ok_or_else(|| {
                 element.fault(
                     name,
@@ -374,7 +438,42 @@ impl<'a> MpcdiRegion<'a> {
             origin: origin.map(|at| at.round().clamp(0.0, 1e6) as u32),
             aspect: (w / h).clamp(1e-3, 1e3),
             buffer: picture.map(|(w, h)| [w, h]),
+            notes,
         })
+    }
+
+    /// Left, lower edge, width and height of a region as shares of a buffer of so many columns and
+    /// rows, and whether the file counts pixels.
+    fn part_of(
+        element: XmlElement<'_>,
+        whole: [Option<f64>; 2],
+    ) -> Result<([f64; 4], bool), RigFault> {
+        const NAMES: [&str; 4] = ["x", "y", "xSize", "ySize"];
+        let mut said = [None; 4];
+        for (said, name) in said.iter_mut().zip(NAMES) {
+            *said = element.number(name)?;
+        }
+        let of = [whole[0], whole[1], whole[0], whole[1]];
+        let are_known = whole.iter().all(|it| it.is_some());
+        let is_more = |it: &Option<f64>| it.is_some_and(|it| it > 1.0 + ROUNDED);
+        // Some tell the size in pixels, and where it lies as a share.
+        let counts_pixels = are_known && said[2..].iter().any(is_more);
+        let counts_places = counts_pixels && said[..2].iter().any(is_more);
+        let counted = [counts_places, counts_places, counts_pixels, counts_pixels];
+        let mut part = [0.0, 0.0, 1.0, 1.0];
+        for (k, name) in NAMES.into_iter().enumerate() {
+            let Some(said) = said[k] else { continue };
+            part[k] = match of[k].filter(|_| counted[k]) {
+                Some(of) => said / of,
+                None => said,
+            };
+            if !(-ROUNDED..=1.0 + ROUNDED).contains(&part[k]) {
+                let what = format!("{said} is no share of 0 to 1");
+                return Err(element.fault(name, what));
+            }
+            part[k] = part[k].clamp(0.0, 1.0);
+        }
+        Ok((part, counts_pixels))
     }
 
     /// Columns and rows of its share of the buffer, where it has others.

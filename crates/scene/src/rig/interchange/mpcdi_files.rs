@@ -132,11 +132,11 @@ impl<'a> MpcdiFilling<'a> {
         ));
     }
 
-    /// What a float map holds.
+    /// What a float map tells, of shares of a panel or of points.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,
-        map: XmlElement<'_>,
+        (map, are_shares): (XmlElement<'_>, bool),
         read: &dyn Fn(&FloatMap<'_>) -> Result<T, String>,
     ) -> Result<T, RigFault> {
         self.take((region, size), 1)?;
@@ -144,10 +144,15 @@ impl<'a> MpcdiFilling<'a> {
         let most = most_values(size) * 12 + HEADER;
         let found = self.read(path, most).and_then(|bytes| {
             let map = FloatMap::fitted(&bytes, size)?;
-            Ok((read(&map)?, map.other_size()))
+            let map = if are_shares { map.of_shares()? } else { map };
+            Ok((read(&map)?, map.other_size(), map.notes().to_vec()))
         });
         let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
-        let (found, other_size) = found?;
+        let (found, other_size, notes) = found?;
+        let id = region.attribute("id").unwrap_or_default();
+        let notes = notes.into_iter();
+        self.notes
+            .extend(notes.map(|note| format!("region {id:?}: {}: {note}", shortened(path))));
         if let Some(nodes) = other_size {
             let nodes = nodes.map(|side| side as u64);
             let how = "it is interpolated between them";

@@ -49,6 +49,11 @@ impl<'a> XmlElement<'a> {
         }
     }
 
+    /// Whether both are the same element.
+    pub(super) fn is(self, other: Self) -> bool {
+        self.node == other.node
+    }
+
     pub(super) fn is_called(self, name: &str) -> bool {
         self.node.tag_name().name().eq_ignore_ascii_case(name)
     }

@@ -104,7 +104,7 @@ fn a_mesh_becomes_a_rig_file_with_the_same_map() {
 #[test]
 fn what_is_no_mesh_or_folds_is_refused_by_its_line() {
     let sound = text(|[x, y]| [x, y, 1.0]);
-    let cases: [(String, &str); 10] = [
+    let cases: [(String, &str); 11] = [
         (String::new(), "ends before the type"),
         ("2\n5\n".to_owned(), "line 2: is not columns and rows"),
         (
@@ -117,8 +117,14 @@ fn what_is_no_mesh_or_folds_is_refused_by_its_line() {
             "line 3: is not x, y, u, v and i",
         ),
         (
-            sound.replacen("1\n", "NaN\n", 1),
+            sound
+                .replacen(" 1\n", "\n", 1)
+                .replacen(" 0 0\n", " 0\n", 1),
             "line 3: is not x, y, u, v and i",
+        ),
+        (
+            text(|[x, y]| [1920.0 * x, 1080.0 * y, 1.0]),
+            "u reaches 1920 and v 1080, as pixels of a picture",
         ),
         (
             sound.replacen("1\n", "1e9\n", 1),
@@ -186,6 +192,63 @@ fn however_a_program_wrote_the_lines_it_is_the_same_mesh() {
         notes,
         ["line 23 and what follows lie behind the nodes and are not read"]
     );
+}
+
+#[test]
+fn what_is_lit_of_a_mesh_with_holes_is_drawn_and_told() {
+    let noted = |text: &str| mesh::read(text.as_bytes()).unwrap();
+    let bent = |[x, y]: [f64; 2]| [x * 0.9, y, 1.0 - x * 0.5];
+    let (expected, notes) = noted(&text(bent));
+    assert!(notes.is_empty());
+    // Light in other units.
+    for (all, words) in [
+        (255.0, "divided by 255"),
+        (100.0, "divided by 100"),
+        (65_535.0, "65535"),
+    ] {
+        let counted = text(|at| {
+            let [u, v, i] = bent(at);
+            [u, v, i * all]
+        });
+        let (rig, notes) = noted(&counted);
+        assert!(notes[0].contains(words), "{notes:?}");
+        assert_eq!(rig, expected);
+    }
+    let (_, notes) = noted(&text(|[x, y]| [x, y, 1.0 + x * 0.2]));
+    assert!(notes[0].contains("above 1"), "{notes:?}");
+    // The corner node is unlit, however that is written.
+    let unlit = text(|[x, y]| [x * 0.9, y, if x + y == 0.0 { -1.0 } else { 1.0 }]);
+    let (expected, notes) = noted(&unlit);
+    assert!(notes.is_empty());
+    let first = unlit.lines().nth(2).unwrap();
+    let place = first.rsplitn(4, ' ').nth(3).unwrap();
+    for node in [
+        "nan nan nan nan -1".to_owned(),
+        format!("{place} NaN NaN 1"),
+        format!("{place} 0 0 nan"),
+        format!("{place} inf -inf 0"),
+    ] {
+        let (rig, notes) = noted(&unlit.replacen(first, &node, 1));
+        assert_eq!(rig.panels[0].alpha, expected.panels[0].alpha, "{node}");
+        assert_eq!(shown(&rig, [100, 1000]), None, "{node}");
+        assert!(shown(&rig, [900, 100]).is_some(), "{node}");
+        assert!(
+            notes[0].contains("1 node with what is no number"),
+            "{notes:?}"
+        );
+    }
+    // A file that breaks off, and one with the names of its columns.
+    let whole = text(bent);
+    for cut in [1, 9, 40, 120] {
+        let (rig, notes) = noted(&whole[..whole.len() - cut]);
+        assert!(shown(&rig, [100, 1000]).is_some());
+        assert!(
+            cut < 9 || notes[0].contains("lacks at its end"),
+            "{cut} {notes:?}"
+        );
+    }
+    let named = whole.replacen("5 4\n", "5 4\nx y u v \"i\"\n", 1);
+    assert_eq!(noted(&named), noted(&whole));
 }
 
 proptest! {

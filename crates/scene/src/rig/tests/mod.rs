@@ -2,6 +2,7 @@
 
 mod fades;
 mod foreign;
+mod lenient;
 mod meshes;
 mod points;
 mod refused;

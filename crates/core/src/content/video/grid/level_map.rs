@@ -58,6 +58,14 @@ impl LevelMap {
         }
     }
 
+    /// The levels that are shown, which the tiles of neighbours may make finer.
+    #[must_use]
+    pub(crate) fn covered(&self, grid: &TileGrid) -> Self {
+        let mut shown = self.clone();
+        let _ = shown.cover(grid);
+        shown
+    }
+
     /// Number of the left eye's cells whose level differs.
     #[must_use]
     pub fn changes_from(&self, before: &Self) -> u64 {

@@ -12,7 +12,7 @@ use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::rules::known_acuity::KnownAcuity;
-use crate::content::video::rules::still::{head_room, stays};
+use crate::content::video::rules::still::{gaze_stays, head_room, stays};
 use crate::content::video::rules::{Occasion, Rules, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::perception::acuity::AcuityModel;
@@ -39,6 +39,9 @@ struct Shown {
     room: Radians,
     /// The glance that it was chosen for, where nothing else counts.
     chosen_for: Option<Glance>,
+    /// What was shown through other views, from which the head turned too far for one to serve
+    /// while the eye stayed: it stays beside what is chosen.
+    floor: Option<LevelMap>,
 }
 
 impl SteadySelector {
@@ -109,6 +112,7 @@ impl SteadySelector {
             return self.exact.levels_of(occasion, known, |_| true);
         }
         let grid = *self.exact.grid();
+        let floor = self.floor(occasion.glance);
         let (anchor, room) = self.anchor(occasion.glance);
         let glance = Glance {
             view: anchor.view,
@@ -144,13 +148,29 @@ impl SteadySelector {
                 levels.refine(&grid, cell, kept);
             }
         }
+        if let Some(floor) = &floor {
+            levels.refine_to(floor);
+        }
         self.before = Some(Shown {
             levels: levels.clone(),
             anchor,
             room,
             chosen_for: self.keeps_view.then_some(glance),
+            floor,
         });
         levels
+    }
+
+    /// What stays beside what is chosen while the eye stays and the head turns far.
+    fn floor(&self, glance: &Glance) -> Option<LevelMap> {
+        let grid = self.exact.grid();
+        let was = self.before.as_ref().filter(|_| self.keeps_view)?;
+        match gaze_stays(grid, &was.anchor, glance, self.slack) {
+            true if stays(grid, &was.anchor, glance, self.slack) => was.floor.clone(),
+            // What is shown, which the tiles of neighbours may make finer.
+            true => Some(was.levels.covered(grid)),
+            false => None,
+        }
     }
 
     /// The glance whose view levels are chosen through, that of before while the gaze stays, and
@@ -307,6 +327,37 @@ mod tests {
             changes_beyond > 0,
             "nothing was kept coarse outside the view"
         );
+    }
+
+    #[test]
+    fn a_head_that_nods_however_far_settles_with_the_first_nod_and_a_jump_forgets_it() {
+        let config = PolicyConfig {
+            acuity: AcuityModel::linear(0.004),
+            ..PolicyConfig::new(Policy::Acuity)
+        };
+        let mut steady = SteadySelector::new(sphere(), config.clone());
+        let mut at =
+            |gaze: [f64; 2], head: [f64; 2]| steady.select(None, 0, &glance(gaze, head)).levels;
+        let mut before = at([8.0, -5.0], [0.0; 2]);
+        let mut changes = 0;
+        for step in 1..90 {
+            let pitch = 40.0 * libm::sin(f64::from(step) * 0.3);
+            let levels = at([8.0, -5.0], [0.1 * pitch, pitch]);
+            for (is, was) in levels.levels().iter().zip(before.levels()) {
+                // Nothing becomes coarser.
+                assert!(is <= was, "step {step}");
+                changes += u32::from(is != was);
+            }
+            assert!(step < 22 || levels == before, "step {step}");
+            before = levels;
+        }
+        assert!(changes > 0);
+        let jumped = at([120.0, 10.0], [120.0, 10.0]);
+        let mut fresh = SteadySelector::new(sphere(), config);
+        let far = glance([120.0, 10.0], [120.0, 10.0]);
+        let fresh = fresh.select(None, 0, &far).levels;
+        let beyond = jumped.levels().iter().zip(fresh.levels());
+        assert!(beyond.filter(|(jumped, fresh)| jumped < fresh).count() < 12);
     }
 
     #[test]

@@ -41,11 +41,31 @@ pub(super) fn turns_with_head(grid: &TileGrid, glance: &Glance) -> bool {
 /// Whether the gaze stays within `slack` of where it was, as surely known and through the same
 /// view, which may turn with the head by up to the head room; without slack it may not.
 pub(super) fn stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) -> bool {
+    stays_within(
+        grid,
+        (was, is),
+        slack,
+        Radians::from_degrees(MOST_TURNED_DEG),
+    )
+}
+
+/// The same however far the head turns: then levels are chosen for where it points, and what was
+/// chosen for the gaze before stays beside them.
+pub(super) fn gaze_stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) -> bool {
+    stays_within(grid, (was, is), slack, Radians(core::f64::consts::PI))
+}
+
+fn stays_within(
+    grid: &TileGrid,
+    (was, is): (&Glance, &Glance),
+    slack: Radians,
+    most_turned: Radians,
+) -> bool {
     let [from, to] = [was, is].map(|glance| glance.gaze.gaze_in_content);
     let spreads = (was.gaze.spread.0 - is.gaze.spread.0).abs();
     let may_turn = slack.0 > 0.0 && turns_with_head(grid, was);
     let views_agree = match may_turn {
-        true => is_turned_view(was, is, Radians::from_degrees(MOST_TURNED_DEG)),
+        true => is_turned_view(was, is, most_turned),
         false => was.view == is.view,
     };
     views_agree && spreads <= slack.0 && angle_between(from, to) <= slack

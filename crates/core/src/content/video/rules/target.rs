@@ -13,7 +13,7 @@ use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{Around, LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
-use crate::content::video::rules::still::{head_room, is_turned_view, stays};
+use crate::content::video::rules::still::{gaze_stays, head_room, is_turned_view, stays};
 use crate::content::video::rules::{Occasion, Selection};
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
@@ -79,6 +79,9 @@ struct Chosen {
     group: UnitId,
     step: u32,
     needed: LevelMap,
+    /// Under `perceptual`: what was shown through other views, from which the head turned too far
+    /// for one to serve while the eye stayed.
+    floor: Option<LevelMap>,
 }
 
 impl TargetSelector {
@@ -151,6 +154,7 @@ impl TargetSelector {
             false => Radians(0.0),
         };
         let room = Radians(still.map_or(room.0, |before| room.0.max(before.room.0)));
+        let floor = self.floor(glance);
         if let Some(before) = of_group {
             match &mut self.rule {
                 Some(rule) if still.is_some() || keeps_slope(&before.glance, glance) => {
@@ -173,7 +177,7 @@ impl TargetSelector {
         let losses = self
             .meter
             .losses_around(&self.grid, content, frame, &around);
-        let (step, needed) = match self.rule.take() {
+        let (step, mut needed) = match self.rule.take() {
             Some(mut rule) => {
                 let step = self.slope(&rule, (&losses, &scale), &looked, known);
                 rule.set_acuity(self.slope_at(&scale, step));
@@ -186,7 +190,9 @@ impl TargetSelector {
                 (_, None) => self.by_bound(&losses, &scale),
             },
         };
+        floor.iter().for_each(|floor| needed.refine_to(floor));
         self.before = Some(Chosen {
+            floor,
             glance: looked,
             room,
             group,
@@ -194,6 +200,18 @@ impl TargetSelector {
             needed: needed.clone(),
         });
         needed
+    }
+
+    /// What stays beside what is chosen while the eye stays and the head turns far; the rule of
+    /// `acuity` has its own.
+    fn floor(&self, glance: &Glance) -> Option<LevelMap> {
+        let was = self.before.as_ref().filter(|_| self.rule.is_none())?;
+        let slack = self.config.steadiness;
+        match gaze_stays(&self.grid, &was.glance, glance, slack) {
+            true if self.is_still(&was.glance, glance) => was.floor.clone(),
+            true => Some(was.needed.covered(&self.grid)),
+            false => None,
+        }
     }
 
     /// Whether what was chosen still serves.
@@ -259,11 +277,8 @@ impl TargetSelector {
 
     /// Levels within a bound, after what was shown before.
     fn within(&self, losses: &Losses, bound: f64) -> LevelMap {
-        let before = self.before.as_ref().map(|before| {
-            let mut shown = before.needed.clone();
-            let _ = shown.cover(&self.grid);
-            shown
-        });
+        let before = self.before.as_ref();
+        let before = before.map(|before| before.needed.covered(&self.grid));
         self.bounded(losses, bound, before.as_ref())
     }
 

@@ -395,6 +395,25 @@ fn nothing_changes_within_a_group_while_the_gaze_stays_within_the_steadiness() {
 }
 
 #[test]
+fn a_head_that_nods_however_far_makes_nothing_coarser_while_the_eye_stays() {
+    let content = Texture(busy);
+    let grid = sphere();
+    let mut chooser = TargetSelector::new(&grid, &config(Policy::Perceptual, 9.5)).unwrap();
+    let mut at = |yaw| {
+        let glance = turned(&grid, yaw, 0.0);
+        chooser.select(&content, 0, &glance).levels
+    };
+    let mut before = at(0.0);
+    for step in 1..60 {
+        let levels = at(40.0 * libm::sin(f64::from(step) * 0.3));
+        let pairs = levels.levels().iter().zip(before.levels());
+        assert!(pairs.clone().all(|(is, was)| is <= was), "step {step}");
+        assert!(step < 22 || levels == before, "step {step}");
+        before = levels;
+    }
+}
+
+#[test]
 fn what_a_turned_head_shows_is_within_half_a_jod_of_the_target() {
     let content = Texture(busy);
     let grid = sphere();

@@ -1,0 +1,91 @@
+//! Which command reads a file that this one does not?
+
+use crate::report::output::WrongUsage;
+use foveal_media::VideoInput;
+use foveal_media::plain_file::first_bytes;
+use foveal_scene::read::is_scene_file;
+use std::path::Path;
+
+/// What every pack begins with.
+const PACK: &[u8] = b"FOVEAL\r\n";
+
+/// Refuses what is a pack already.
+pub(crate) fn refuse_pack(input: &Path) -> Result<(), WrongUsage> {
+    let is_pack = first_bytes(input, PACK.len() as u64).is_ok_and(|it| it == PACK);
+    let name = input.display();
+    match is_pack {
+        true => Err(WrongUsage(format!(
+            "{name}: is a pack already; play it with `foveal view {name}`, or give the file that \
+             it was made of"
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Why a file cannot be prepared as a video: where it is a 3D file, with what prepares it.
+pub(crate) fn no_video(input: &Path, error: anyhow::Error) -> anyhow::Error {
+    let name = input.display();
+    match is_scene_file(input) && input.is_file() {
+        true => WrongUsage(format!(
+            "{name}: is a 3D file; make a pack of it with `foveal prepare scene {name} --out PACK`"
+        ))
+        .into(),
+        false => error,
+    }
+}
+
+/// Why a file cannot be prepared as a scene: where it is a video or a picture, with what prepares
+/// it.
+pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> anyhow::Error {
+    let is_video = |input: &&Path| !is_scene_file(input) && VideoInput::open(input).is_ok();
+    match inputs.iter().map(AsRef::as_ref).find(is_video) {
+        Some(input) => {
+            let name = input.display();
+            WrongUsage(format!(
+                "{name}: is a video or a picture; make a pack of it with `foveal prepare video \
+                 {name} --out PACK`"
+            ))
+            .into()
+        }
+        None => error,
+    }
+}
+
+/// The command that was meant where a file stands in place of one.
+pub(crate) fn meant_command(word: &str) -> Option<String> {
+    let path = Path::new(word);
+    if path.extension().is_some_and(|it| it == "foveal") {
+        return Some(format!("`foveal view {word}` plays a pack"));
+    }
+    let is_file = path.is_file() || path.extension().is_some();
+    let kind = if is_scene_file(path) {
+        "scene"
+    } else {
+        "video"
+    };
+    is_file.then(|| format!("`foveal prepare {kind} {word} --out PACK` makes a pack of that file"))
+}
+
+/// Why an address that stands in place of a file cannot be opened.
+pub(crate) fn no_address(words: &[String], error: anyhow::Error) -> anyhow::Error {
+    let is_address = |word: &&String| {
+        let scheme = word.split_once("://").map(|(scheme, _)| scheme);
+        scheme.is_some_and(|it| {
+            ["http", "https", "ftp"]
+                .iter()
+                .any(|known| it.eq_ignore_ascii_case(known))
+        })
+    };
+    let text = format!("{error:#}");
+    let is_missing = text.contains("No such file or directory");
+    let address = words
+        .iter()
+        .find(|it| is_address(it) && text.contains(it.as_str()));
+    match address.filter(|_| is_missing) {
+        Some(address) => anyhow::anyhow!(
+            "{address}: is an address, and only files of this machine are read; download it first, \
+             as with `curl -LO {address}`, and give the file"
+        ),
+        None => error,
+    }
+}

@@ -1,0 +1,125 @@
+//! Where were recordings joined, so that the time stamps of a stream begin again?
+//!
+//! Transport and program streams may be put behind each other as they are (`cat A.ts B.ts`). What
+//! decoders are told is when to decode, which never goes back within one recording.
+
+use ffmpeg_next::{Packet, Rational};
+
+/// A step back by more than this is a new beginning, and so is one forward by more than that, as a
+/// stamp that falls below the first is taken for one that has gone round; seconds.
+const BACK_S: f64 = 0.1;
+const FORWARD_S: f64 = 3600.0;
+
+/// The stamps of one stream, one recording after another.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joints {
+    /// None where containers do not let stamps begin again.
+    tick: Option<f64>,
+    /// Ticks to add to the stamps of the file.
+    offset: i64,
+    /// Of the packet before: when it was to be decoded, and how long it lasts.
+    last: Option<[i64; 2]>,
+    /// The same and the offset before the last joint, until a packet came behind it.
+    before: Option<([i64; 2], i64)>,
+    found: u64,
+}
+
+impl Joints {
+    /// Of a stream whose stamps have this unit, in a container by FFmpeg's name.
+    pub(crate) fn of(container: &str, tick: Rational) -> Self {
+        let joins = matches!(container, "mpegts" | "mpeg");
+        let tick = f64::from(tick);
+        Self {
+            tick: (joins && tick > 0.0).then_some(tick),
+            offset: 0,
+            last: None,
+            before: None,
+            found: 0,
+        }
+    }
+
+    /// How often stamps began again.
+    pub(crate) fn found(&self) -> u64 {
+        self.found
+    }
+
+    /// Puts the stamps of the next packet behind those before it; whether they begin again there.
+    pub(crate) fn follow(&mut self, packet: &mut Packet) -> bool {
+        let Some((tick, at)) = self.tick.zip(packet.dts().or(packet.pts())) else {
+            return false;
+        };
+        let is_joint = self.takes(tick, [at, packet.duration()]);
+        if self.offset != 0 {
+            let moved = |it: i64| it.saturating_add(self.offset);
+            packet.set_pts(packet.pts().map(moved));
+            packet.set_dts(packet.dts().map(moved));
+        }
+        is_joint
+    }
+
+    fn takes(&mut self, tick: f64, [at, length]: [i64; 2]) -> bool {
+        let step = |from: i64| at.saturating_sub(from) as f64 * tick;
+        let is_new = |from: i64| step(from) < -BACK_S || step(from) > FORWARD_S;
+        let mut is_joint = false;
+        match (self.last, self.before.take()) {
+            // One stamp was wrong.
+            (_, Some(([before, _], offset))) if (0.0..1.0).contains(&step(before)) => {
+                self.offset = offset;
+                self.found -= 1;
+            }
+            (Some([last, lasted]), _) if is_new(last) => {
+                self.before = Some(([last, lasted], self.offset));
+                let end = last.saturating_add(lasted.max(1));
+                self.offset = self.offset.saturating_add(end.saturating_sub(at));
+                self.found += 1;
+                is_joint = true;
+            }
+            _ => {}
+        }
+        let lasted = match self.last {
+            _ if length > 0 => length,
+            Some([last, _]) if !is_joint && at > last => at - last,
+            last => last.map_or(0, |[_, lasted]| lasted),
+        };
+        self.last = Some([at, lasted]);
+        is_joint
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stamps(file: &[i64]) -> (Vec<i64>, u64) {
+        let mut joints = Joints::of("mpegts", Rational(1, 1000));
+        let mut packet = Packet::empty();
+        let stamps = file.iter().map(|at| {
+            packet.set_dts(Some(*at));
+            packet.set_pts(Some(*at + 80));
+            joints.follow(&mut packet);
+            assert_eq!(packet.pts().unwrap(), packet.dts().unwrap() + 80);
+            packet.dts().unwrap()
+        });
+        (stamps.collect(), joints.found())
+    }
+
+    #[test]
+    fn what_begins_again_follows_what_came_before() {
+        let even: Vec<i64> = (0..7).map(|number| 500 + 40 * number).collect();
+        assert_eq!(stamps(&even), (even.clone(), 0));
+        let joined = [500, 540, 580, 0, 40, 500, 540];
+        assert_eq!(stamps(&[500, 540, 580, 0, 40, 80, 300]).1, 1);
+        assert_eq!(stamps(&[500, 540, 640, 0, 100, 200, 0]).1, 2);
+        assert_eq!(stamps(&[500, 540, 580, 0, 40, 80, 120]), (even.clone(), 1));
+        // Gaps stay.
+        assert_eq!(stamps(&joined).0[5..], [1120, 1160]);
+        let round = (1 << 33) / 90;
+        assert_eq!(stamps(&[500, 540, round, round + 40]).0, even[..4]);
+    }
+
+    #[test]
+    fn one_wrong_stamp_is_no_new_beginning() {
+        let found = stamps(&[500, 540, 0, 620, 660]);
+        assert_eq!(found, (vec![500, 540, 580, 620, 660], 0));
+    }
+}
