@@ -82,6 +82,44 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "left out, `lines_broken`",
             },
             Finding {
+                found: "`f 1,2,3`; `1 /1`; `// comments`",
+                outcome: Mended,
+                told: "as it is meant, `faces_with_odd_signs`",
+            },
+            Finding {
+                found: "`usemtl` in other capitals or blanks than `newmtl`; two different \
+                        materials of one name",
+                outcome: Mended,
+                told: "that material, `materials_found_by_case`; the last, \
+                       `materials_defined_twice`",
+            },
+            Finding {
+                found: "a material that does not exist; a library that is no text",
+                outcome: Mended,
+                told: "white, `materials_not_found`, `material_files_missing`",
+            },
+            Finding {
+                found: "`Kd 0 0 0` under colours of vertices; colours that ZBrush painted \
+                        (`#MRGB`); `Kd xyz`",
+                outcome: Read,
+                told: "these colours: `black_under_colours`, `colours_of_another_number`",
+            },
+            Finding {
+                found: "`Kd spectral`; `-mm` or `-t` of a picture",
+                outcome: Remarked,
+                told: "grey, `spectra_left_out`; as it is, `texture_options_left_out`",
+            },
+            Finding {
+                found: "`d`, `Tr`, `map_d`, a picture with an alpha",
+                outcome: Remarked,
+                told: "opaque, `drawn_opaque`",
+            },
+            Finding {
+                found: "a picture on faces without texture coordinates",
+                outcome: Remarked,
+                told: "one colour, `textures_without_coordinates`",
+            },
+            Finding {
                 found: "colours of vertices from 0 to 255",
                 outcome: Mended,
                 told: "the largest code counts as full light, `colours_rescaled`",
@@ -145,6 +183,21 @@ const PLY: &[Finding] = &[
                 depth than their numbers",
         outcome: Mended,
         told: "the largest code counts as full light, `colours_rescaled`",
+    },
+    Finding {
+        found: "corners of faces called otherwise (`indices`; `v1`, `v2`, `v3`), or counted from 1",
+        outcome: Mended,
+        told: "as meant, `corners_of_another_name`, `faces_from_one`",
+    },
+    Finding {
+        found: "materials with `material_index`",
+        outcome: Read,
+        told: "their colours are drawn; others are left out, `materials_left_out`",
+    },
+    Finding {
+        found: "`scalar_Red` and the like of CloudCompare; an alpha below 1",
+        outcome: Read,
+        told: "colours; drawn opaque, `drawn_opaque`",
     },
     Finding {
         found: "colours of faces",

@@ -51,6 +51,11 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "32,768 of them, `repairs.points_of_one_place`",
             },
             Finding {
+                found: "a length of records that does not fit their format",
+                outcome: Mended,
+                told: "whichever of both fits the bytes of all points, `repairs.stale_counts`",
+            },
+            Finding {
                 found: "a later minor version with known points",
                 outcome: Remarked,
                 told: "read as LAS 1.4",

@@ -36,6 +36,8 @@ pub(super) struct GraphCluster {
     pub made_by: Option<u32>,
     /// How often a group that it was in could not be simplified.
     pub stuck: u8,
+    /// The area that it stands for, as a multiple of its own; 0 where nothing is owed.
+    pub owed: f32,
 }
 
 impl GraphCluster {

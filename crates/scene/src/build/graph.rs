@@ -5,7 +5,7 @@ use super::groups::{locked, partition};
 use super::mesh::GridMesh;
 use super::simplify::{Simplified, simplify};
 use super::sphere::LocalSphere;
-use foveal_core::content::mesh::payload::MOST_CLUSTERS;
+use foveal_core::content::mesh::payload::{MOST_CLUSTERS, MeshVertex};
 use rayon::prelude::*;
 
 /// Most levels above the source; what is left then are roots.
@@ -42,7 +42,7 @@ pub(super) struct Graph {
 }
 
 /// The graph of a mesh that has triangles; `step` hears of triangles that are done.
-pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
+pub(super) fn build(mesh: &mut GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
     let mut graph = Graph {
         clusters: clusters::of_source(mesh),
         ..Default::default()
@@ -50,12 +50,15 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
     let mut active: Vec<u32> = (0..graph.clusters.len() as u32).collect();
     let mut ended = Vec::new();
     let mut level = 0;
+    let of_source = mesh.vertices.len();
+    let mut known = None;
     while active.len() > 1 && level < MOST_LEVELS {
+        let there = mesh.vertices.len() as u32;
         let groups = partition(mesh, &graph.clusters, &active);
         let locks = locked(mesh, &graph.clusters, &groups, &ended);
         let halve = |group: &Vec<u32>| {
             let fine: Vec<_> = group.iter().map(|it| graph.cluster(*it)).collect();
-            let simplified = simplify(mesh, &fine, &locks);
+            let simplified = simplify(&*mesh, &fine, &locks);
             step(fine.iter().map(|it| it.triangles.len() as u64).sum());
             simplified
         };
@@ -64,7 +67,10 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
         active.clear();
         for (fine, simplified) in groups.into_iter().zip(simplified) {
             match simplified {
-                Some(it) => active.extend(graph.add(mesh, level, fine, it)),
+                Some(mut it) => {
+                    it.take_into(mesh, there, &mut known);
+                    active.extend(graph.add(mesh, level, fine, it));
+                }
                 None => graph.sort_stuck(&fine, &mut active, &mut ended),
             }
         }
@@ -73,6 +79,7 @@ pub(super) fn build(mesh: &GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
     ended.extend(active);
     graph.add_roots(mesh, level, &ended);
     graph.number_groups();
+    mesh.reach_all(of_source);
     graph
 }
 
@@ -89,7 +96,9 @@ impl Graph {
         let own = (f64::from(it.error) * mesh.object.grid.step) as f32;
         let finer = fine.iter().filter_map(|it| self.made_by(*it));
         let error = finer.map(|it| it.error).fold(own, f32::max);
-        let sphere = LocalSphere::round(&self.spheres(mesh, &fine));
+        let mut spheres = self.spheres(mesh, &fine);
+        spheres.extend(it.added.iter().map(|vertex| point_at(mesh, vertex)));
+        let sphere = LocalSphere::round(&spheres);
         self.groups.push(Group {
             level,
             fine,
@@ -166,9 +175,13 @@ impl Graph {
 }
 
 fn point(mesh: &GridMesh, vertex: u32) -> LocalSphere {
-    let place = mesh.vertices[vertex as usize].place;
+    point_at(mesh, &mesh.vertices[vertex as usize])
+}
+
+fn point_at(mesh: &GridMesh, vertex: &MeshVertex) -> LocalSphere {
+    let step = mesh.object.grid.step;
     LocalSphere {
-        centre: place.map(|it| (f64::from(it) * mesh.object.grid.step) as f32),
+        centre: vertex.place.map(|it| (f64::from(it) * step) as f32),
         radius: 0.0,
     }
 }

@@ -86,6 +86,25 @@ pub(super) fn grid_mesh(
     })
 }
 
+impl GridMesh {
+    /// Centre and radius of the sphere round the mesh, in steps of the grid.
+    pub(super) fn sphere_on_grid(&self) -> (DVec3, f64) {
+        let (grid, bounds) = (&self.object.grid, &self.object.bounds);
+        let centre = DVec3::from_array(bounds.centre) - DVec3::from_array(grid.origin);
+        (centre / grid.step, bounds.radius / grid.step)
+    }
+
+    /// Makes the sphere round the mesh enclose vertices from this one on.
+    pub(super) fn reach_all(&mut self, first: usize) {
+        let bounds = &mut self.object.bounds;
+        let centre = DVec3::from_array(bounds.centre);
+        for vertex in &self.vertices[first..] {
+            let away = self.object.grid.at(vertex.place).distance(centre);
+            bounds.radius = bounds.radius.max(away);
+        }
+    }
+}
+
 /// How many places of the grid a step on the grid of textures spans.
 fn places_of_uv(object: &SceneObject, vertices: &[MeshVertex], triangles: &[[u32; 3]]) -> [f32; 2] {
     let Some(texturing) = &object.texturing else {
@@ -168,12 +187,46 @@ fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
     let mut first = IntegerMap::default();
     first.reserve(vertices.len());
     let places = vertices.iter().zip(0_u32..);
-    let first = places.map(|(vertex, number)| {
-        // The place lies in the low bits.
-        let place = key(vertex).0 as u64 & ((1 << 48) - 1);
-        *first.entry(place).or_insert(number)
-    });
+    let first = places.map(|(vertex, number)| *first.entry(place_of(vertex)).or_insert(number));
     first.collect()
+}
+
+/// The vertices of a mesh by their values, and by their places.
+pub(super) struct KnownVertices {
+    of_value: IntegerMap<(u128, u64), u32>,
+    of_place: IntegerMap<u64, u32>,
+}
+
+impl KnownVertices {
+    pub(super) fn of(mesh: &GridMesh) -> Self {
+        let mut known = Self {
+            of_value: IntegerMap::default(),
+            of_place: IntegerMap::default(),
+        };
+        for (vertex, number) in mesh.vertices.iter().zip(0..) {
+            known.of_value.entry(key(vertex)).or_insert(number);
+            known.of_place.entry(place_of(vertex)).or_insert(number);
+        }
+        known
+    }
+
+    /// The number of a vertex, which the mesh gets if it has none of this value.
+    pub(super) fn number(&mut self, mesh: &mut GridMesh, vertex: MeshVertex) -> u32 {
+        let next = mesh.vertices.len() as u32;
+        let number = *self.of_value.entry(key(&vertex)).or_insert(next);
+        if number == next {
+            let first = *self.of_place.entry(place_of(&vertex)).or_insert(next);
+            mesh.vertices.push(vertex);
+            mesh.same_place.push(first);
+        }
+        number
+    }
+}
+
+/// The place of a vertex in one number.
+fn place_of(vertex: &MeshVertex) -> u64 {
+    // The place lies in the low bits.
+    key(vertex).0 as u64 & ((1 << 48) - 1)
 }
 
 /// All of a vertex in two numbers.

@@ -103,7 +103,7 @@ fn build_here(
         progress((before + samples).min(all), all);
     };
     let graphs: Vec<_> = meshes
-        .par_iter()
+        .par_iter_mut()
         .map(|it| graph::build(it, &step))
         .collect();
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();

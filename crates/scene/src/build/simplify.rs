@@ -1,12 +1,16 @@
 //! What does a group of clusters look like with half the triangles?
 
 mod folds;
+mod scattered;
 
 use super::clusters::{GraphCluster, Part, adapter};
-use super::mesh::GridMesh;
+use super::mesh::{GridMesh, KnownVertices};
+use super::numbering::Numbering;
 use folds::{Unfolded, unfold};
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
+use foveal_core::content::mesh::payload::MeshVertex;
 use meshopt::SimplifyOptions;
+use scattered::{has_lost_area, thin};
 use std::borrow::Cow;
 
 /// What part of the triangles is to stay.
@@ -30,6 +34,8 @@ pub(super) struct Simplified {
     pub error: f32,
     /// Whether attributes were let go of where they jump.
     pub permissive: bool,
+    /// Vertices that the mesh has not: clusters number them behind those that it has.
+    pub added: Vec<MeshVertex>,
 }
 
 /// Simplifies a group, given whether each vertex of the mesh stays; none where it is stuck.
@@ -41,7 +47,13 @@ pub(super) fn simplify(
     let count = fine.iter().map(|it| it.vertices.len()).sum();
     let mut part = Part::new(mesh, fine.iter().flat_map(|it| it.corners()), count);
     let unfolded = unfold(mesh, &mut part);
-    let group = Group {
+    // Clusters that stand for others are about as large.
+    let owed = fine
+        .iter()
+        .map(|it| f64::from(it.owed.max(1.0)))
+        .sum::<f64>();
+    let mut group = Group {
+        owed: owed / fine.len().max(1) as f64,
         attributes: attributes(mesh, &part),
         locks: part
             .vertices
@@ -59,19 +71,60 @@ pub(super) fn simplify(
     } else {
         2
     }];
-    tries.iter().find_map(|(options, permissive)| {
+    let halved = tries.iter().find_map(|(options, permissive)| {
         let (corners, error) = group.halve(*options, *permissive)?;
         let same = |it: u32| group.unfolded.same[it as usize];
         let corners: Vec<u32> = corners.into_iter().map(same).collect();
-        Some(Simplified {
-            clusters: group.part.clusters(&corners),
-            error,
-            permissive: *permissive,
-        })
+        Some((corners, error, *permissive))
+    });
+    let is_whole = halved
+        .as_ref()
+        .is_some_and(|it| !has_lost_area(&group.part, &it.0));
+    if let (false, Some(thinned)) = (is_whole, group.thinned(mesh)) {
+        return Some(thinned);
+    }
+    let (corners, error, permissive) = halved?;
+    Some(Simplified {
+        clusters: group.part.clusters(&corners),
+        error,
+        permissive,
+        added: Vec::new(),
     })
 }
 
+impl Simplified {
+    /// Gives the mesh the vertices that are added, each value once; the first was taken to have the
+    /// number `there`. What the mesh has is `known` once anything was added.
+    pub(super) fn take_into(
+        &mut self,
+        mesh: &mut GridMesh,
+        there: u32,
+        known: &mut Option<KnownVertices>,
+    ) {
+        if self.added.is_empty() {
+            return;
+        }
+        let known = known.get_or_insert_with(|| KnownVertices::of(mesh));
+        let numbers = self.added.iter().map(|it| known.number(mesh, *it));
+        let numbers: Vec<u32> = numbers.collect();
+        for cluster in &mut self.clusters {
+            let mut vertices = Numbering::new(cluster.vertices.len());
+            let number = |it: &u32| match it.checked_sub(there) {
+                Some(added) => vertices.number(numbers[added as usize]) as u8,
+                None => vertices.number(*it) as u8,
+            };
+            let places: Vec<u8> = cluster.vertices.iter().map(number).collect();
+            for corner in cluster.triangles.as_flattened_mut() {
+                *corner = places[usize::from(*corner)];
+            }
+            cluster.vertices = vertices.vertices;
+        }
+    }
+}
+
 struct Group {
+    /// The area that it stands for, as a multiple of its own.
+    owed: f64,
     part: Part,
     attributes: Weighed,
     locks: Vec<bool>,
@@ -79,6 +132,25 @@ struct Group {
 }
 
 impl Group {
+    /// The same of many small parts that lie apart.
+    fn thinned(&mut self, mesh: &GridMesh) -> Option<Simplified> {
+        let before = self.part.corners.len();
+        let thinned = thin(mesh, &mut self.part, &self.locks, self.owed)?;
+        let is_halved = thinned.corners.len() as f64 <= before as f64 * STUCK;
+        let clusters = self.part.clusters(&thinned.corners).into_iter();
+        is_halved.then(|| Simplified {
+            clusters: clusters
+                .map(|it| GraphCluster {
+                    owed: thinned.owed as f32,
+                    ..it
+                })
+                .collect(),
+            error: thinned.error,
+            permissive: false,
+            added: thinned.added,
+        })
+    }
+
     fn halve(&self, options: SimplifyOptions, permissive: bool) -> Option<(Vec<u32>, f32)> {
         let triangles = self.part.corners.len() / 3;
         let target = (triangles as f64 * RATIO) as usize;

@@ -3,6 +3,59 @@
 use super::sound::count;
 use crate::source::Repairs;
 
+/// A colour of a material is brighter than white by mistake up to here; what is beyond is written
+/// from 0 to 255.
+const MOST_LIGHT: f64 = 16.0;
+/// And by rounding up to here.
+const CUT_LIGHT: f64 = 1.01;
+
+/// How parts of a material's colour, meant to be from 0 to 1, are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Brightness {
+    AsSaid,
+    /// Brighter than white: cut, of so much.
+    Cut(f64),
+    /// As codes up to 255, of so much.
+    Codes(f64),
+}
+
+impl Brightness {
+    /// Of red, green and blue, and what may be an alpha.
+    pub(super) fn of(parts: [f64; 3], alpha: f64) -> Self {
+        let most = parts[0].max(parts[1]).max(parts[2]);
+        if most > MOST_LIGHT || most > CUT_LIGHT && alpha > MOST_LIGHT {
+            Self::Codes(most)
+        } else if most > CUT_LIGHT {
+            Self::Cut(most)
+        } else {
+            Self::AsSaid
+        }
+    }
+
+    /// What stands for all light.
+    pub(super) fn full(self) -> f64 {
+        match self {
+            Self::Codes(_) => BYTE,
+            _ => 1.0,
+        }
+    }
+
+    /// Under which name it is counted, and what a person should know of `what`.
+    pub(super) fn told(self, what: &str) -> Option<(&'static str, String)> {
+        match self {
+            Self::AsSaid => None,
+            Self::Cut(most) => {
+                let told = format!("{what} reaches {most}, brighter than white: cut to 1");
+                Some(("colours_cut", told))
+            }
+            Self::Codes(most) => {
+                let told = format!("{what} reaches {most}: 255 is taken for all light");
+                Some(("colours_rescaled", told))
+            }
+        }
+    }
+}
+
 /// Linear light of an sRGB-encoded value from 0 to 1; what is beyond is cut. IEC 61966-2-1.
 pub(super) fn linear_from_encoded(value: f64) -> f32 {
     let value = value.clamp(0.0, 1.0);

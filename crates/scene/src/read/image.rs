@@ -6,6 +6,7 @@
 mod bmp;
 pub(super) mod pictures;
 mod tga;
+pub(super) mod transparent;
 mod webp;
 
 use foveal_core::content::images::shape::MOST_SIDE;
@@ -133,6 +134,23 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
         (None, Some(b"ftypavif" | b"ftypavis")) => Some("an AVIF"),
         (None, Some(b"ftypheic" | b"ftypheix" | b"ftypmif1")) => Some("a HEIC"),
         _ => None,
+    }
+}
+
+/// Whether the head of a picture says that texels may be less than opaque.
+pub(crate) fn may_have_alpha(bytes: &[u8]) -> bool {
+    let Some(told) = told(bytes).filter(|_| size_of(bytes).is_some()) else {
+        return false;
+    };
+    match told.format {
+        Format::Jpeg => false,
+        Format::Png => png_decoder(bytes).read_info().is_ok_and(|it| {
+            matches!(
+                it.output_color_type().0,
+                ColorType::Rgba | ColorType::GrayscaleAlpha
+            )
+        }),
+        Format::Bmp | Format::WebP | Format::Tga => true,
     }
 }
 

@@ -79,6 +79,59 @@ pub(super) const WORDS_BEYOND: Mend = Mend {
     name: "rows_too_long",
     what: "rows have more values than announced; the rest of each is left out",
 };
+/// Corners are parted by commas, or have blanks within.
+pub(super) const FACE_SIGNS: Mend = Mend {
+    name: "faces_with_odd_signs",
+    what: "faces have commas between their corners, or blanks within them: read as meant",
+};
+/// Faces count vertices from 1.
+pub(super) const FROM_ONE: Mend = Mend {
+    name: "faces_from_one",
+    what: "faces that count vertices from 1 are read so",
+};
+/// The corners of faces have another name.
+pub(super) const CORNERS_NAMED: Mend = Mend {
+    name: "corners_of_another_name",
+    what: "the corners of faces are not called `vertex_indices`, and are found all the same",
+};
+/// Materials of faces are not all there.
+pub(super) const PLY_MATERIALS: Mend = Mend {
+    name: "materials_left_out",
+    what: "materials that have no red, green and blue, or that nothing names, are left out",
+};
+/// Two materials have one name.
+pub(super) const MATERIAL_TWICE: Mend = Mend {
+    name: "materials_defined_twice",
+    what: "materials are defined twice, in different ways: the last of each is shown",
+};
+/// A material of nearly this name is there.
+pub(super) const MATERIAL_NEARLY: Mend = Mend {
+    name: "materials_found_by_case",
+    what: "materials are there under names that differ in capitals or blanks: taken for those \
+           that are named",
+};
+/// A black material under colours.
+pub(super) const BLACK_UNDER_COLOURS: Mend = Mend {
+    name: "black_under_colours",
+    what: "materials are black, on surfaces whose vertices have colours: these colours are shown",
+};
+/// How a picture is to be changed is not followed.
+pub(super) const MAP_OPTION_LEFT: Mend = Mend {
+    name: "texture_options_left_out",
+    what: "pictures are to be made brighter, darker or turbulent (`-mm`, `-t`): they are shown as \
+           they are",
+};
+/// A colour is told by a spectrum.
+pub(super) const SPECTRUM_LEFT: Mend = Mend {
+    name: "spectra_left_out",
+    what: "colours of materials are told by files of spectra, which are not read: they are grey",
+};
+/// Colours of ZBrush are more or fewer than vertices.
+pub(super) const POLYPAINT_LENGTH: Mend = Mend {
+    name: "colours_of_another_number",
+    what: "painted colours (`#MRGB`) are more or fewer than the vertices: vertices without one \
+           are white",
+};
 /// A coordinate is missing.
 pub(super) const FLAT: Mend = Mend {
     name: "coordinates_made",
@@ -147,6 +200,22 @@ pub(super) const ODD_INDICES: Mend = Mend {
     name: "indices_of_another_kind",
     what: "lists of indices are not of unsigned whole numbers, and are read as if they were",
 };
+/// Numbers are of a kind that OpenGL has, and glTF has not.
+pub(super) const ODD_COMPONENTS: Mend = Mend {
+    name: "components_of_another_kind",
+    what: "accessors are of kinds of numbers that glTF does not have: read as OpenGL has them",
+};
+/// Elements would overlap.
+pub(super) const STRIDE_TOO_SMALL: Mend = Mend {
+    name: "strides_mended",
+    what: "elements are said to lie closer than they are long: read as following each other",
+};
+/// A view has no bytes.
+pub(super) const VIEW_EMPTY: Mend = Mend {
+    name: "views_without_length",
+    what: "buffer views say that they have no bytes: they are taken to reach to the end of their \
+           buffers",
+};
 /// A view goes beyond its buffer.
 pub(super) const VIEW_CUT: Mend = Mend {
     name: "views_cut",
@@ -161,6 +230,12 @@ pub(super) const PACKED_LEFT: Mend = Mend {
 pub(super) const MATERIAL_NOT_FOUND: Mend = Mend {
     name: "materials_not_found",
     what: "materials that parts of meshes name do not exist: these parts are white",
+};
+/// A material with a picture lies on what has no place on it.
+pub(super) const TEXTURE_WITHOUT_UVS: Mend = Mend {
+    name: "textures_without_coordinates",
+    what: "parts of meshes have a texture, but no texture coordinates: they are shown in one \
+           colour, without the picture",
 };
 /// A texture has a sampler that is not there.
 pub(super) const SAMPLER_NOT_FOUND: Mend = Mend {

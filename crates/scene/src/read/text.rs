@@ -83,6 +83,7 @@ pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
 }
 
 /// The words of a line, read as what they should be.
+#[derive(Clone)]
 pub(super) struct Words<'a> {
     pub(super) line: usize,
     rest: &'a str,
@@ -131,6 +132,11 @@ impl<'a> Words<'a> {
         words.join(" ")
     }
 
+    /// The same with whatever blanks are within.
+    pub(super) fn rest_as_it_is(&self) -> &'a str {
+        self.rest.trim_ascii()
+    }
+
     /// Leaves out a comment at the end of the line: from a `#` on that is not within a number, such
     /// as `1.#QNAN`.
     pub(super) fn leave_out_comment(&mut self) {
@@ -143,7 +149,15 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The next word as a number; NaN where it is not a number.
+    /// The same of one that begins with `//`, where no number has a slash.
+    pub(super) fn leave_out_slashes(&mut self) {
+        let slash = self.rest.as_bytes().iter().position(|it| *it == b'/');
+        if let Some(at) = slash.filter(|at| self.rest[*at..].starts_with("//")) {
+            self.rest = &self.rest[..at];
+        }
+    }
+
+    /// The next word as a number; NaN where it is none.
     pub(super) fn any_number(&mut self) -> Option<f64> {
         let word = self.next()?;
         let number = number_of(word, &mut self.commas);

@@ -13,6 +13,7 @@ mod films;
 mod gltf;
 mod las;
 mod layouts;
+mod lenient;
 mod meshes;
 mod numbers;
 mod outliers;

@@ -19,7 +19,7 @@ use crate::pages::ComingPage;
 use crate::points::cubes::standing;
 use crate::points::units::{CloudUnits, ComingPoints};
 use crate::twin::shared::pages::TwinPages;
-use crate::twin::shared::raster::{Fragment, Sides, rasterise};
+use crate::twin::shared::raster::{Covered, Fragment, Sides, rasterise};
 use crate::twin::shared::scene::{SceneInView, triangles_of};
 use crate::twin::shared::wgsl::code;
 use cull_clusters::{DrawnDepths, cull_clusters, is_hidden, is_seen};
@@ -62,17 +62,17 @@ impl Depths {
     }
 
     /// Whether something is in front of all before it.
-    fn has_behind(&self, fragment: &Fragment) -> bool {
-        let [x, y] = fragment.pixel.map(|it| it as usize);
-        fragment.depth > self.depths[y * self.size[0] as usize + x]
+    fn has_behind(&self, covered: &Covered<'_>) -> bool {
+        let [x, y] = covered.pixel.map(|it| it as usize);
+        covered.depth > self.depths[y * self.size[0] as usize + x]
     }
 
     /// Whether something is in front of all before it, which it is from now on.
-    fn pass(&mut self, fragment: &Fragment) -> bool {
-        let [x, y] = fragment.pixel.map(|it| it as usize);
+    fn pass(&mut self, covered: &Covered<'_>) -> bool {
+        let [x, y] = covered.pixel.map(|it| it as usize);
         let depth = &mut self.depths[y * self.size[0] as usize + x];
-        let passes = fragment.depth > *depth;
-        *depth = depth.max(fragment.depth);
+        let passes = covered.depth > *depth;
+        *depth = depth.max(covered.depth);
         passes
     }
 }
@@ -293,11 +293,13 @@ impl TwinScene {
             let corner = |number| place_corner(scene, &block, placement, number);
             for triangle in corners.as_chunks::<3>().0 {
                 let head = texture_of_corner(&self.pages, of_cluster, &block, triangle[0]);
-                rasterise(triangle.map(corner), depths.size, sides, |fragment| {
-                    if depths.has_behind(&fragment)
-                        && let Some(texture) = texture_on(&self.pages, head, &fragment)
-                    {
-                        depths.pass(&fragment);
+                rasterise(triangle.map(corner), depths.size, sides, |covered| {
+                    if !depths.has_behind(covered) {
+                        return;
+                    }
+                    let fragment = covered.fragment();
+                    if let Some(texture) = texture_on(&self.pages, head, &fragment) {
+                        depths.pass(covered);
                         each(of_cluster, &fragment, texture);
                     }
                 });
@@ -328,9 +330,9 @@ impl TwinScene {
                 let splat = place_splat(scene, &cloud, number, (point, of));
                 for triangle in [[0, 1, 2], [3, 2, 1]] {
                     let triangle = triangle.map(|corner: usize| splat.corners[corner]);
-                    rasterise(triangle, depths.size, Sides::Both, |fragment| {
-                        if depths.pass(&fragment) {
-                            each(&splat, &fragment);
+                    rasterise(triangle, depths.size, Sides::Both, |covered| {
+                        if depths.pass(covered) {
+                            each(&splat, &covered.fragment());
                         }
                     });
                 }

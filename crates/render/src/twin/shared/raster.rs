@@ -24,8 +24,6 @@ pub(crate) struct Corner {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fragment {
     pub(crate) pixel: [u32; 2],
-    /// Larger is nearer.
-    pub(crate) depth: f32,
     pub(crate) corner: Corner,
     /// Normal of the triangle, of any length and to either side.
     pub(crate) face: Vec3,
@@ -42,20 +40,47 @@ pub(crate) enum Sides {
     Both,
 }
 
+/// A pixel that a triangle covers, before more is asked of it than how near it is there: a GPU
+/// tests depths first, too.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Covered<'a> {
+    pub(crate) pixel: [u32; 2],
+    /// Larger is nearer.
+    pub(crate) depth: f32,
+    face: Vec3,
+    corners: &'a [Corner; 3],
+    places: &'a [[i64; 2]; 3],
+    area: i64,
+    middle: [i64; 2],
+    shares: [f32; 3],
+}
+
+impl Covered<'_> {
+    /// What the triangle has there.
+    pub(crate) fn fragment(&self) -> Fragment {
+        let of_triangle = (self.corners, self.places, self.area);
+        Fragment {
+            pixel: self.pixel,
+            corner: weighted(self.corners, weights(self.corners, self.shares)),
+            face: self.face,
+            uv_steps: [0, 1].map(|k| uv_step(of_triangle, self.middle, k)),
+        }
+    }
+}
+
 /// Calls `draw` for every pixel of a picture of `size` that a triangle covers.
 pub(crate) fn rasterise(
     triangle: [Corner; 3],
     size: [u32; 2],
     sides: Sides,
-    mut draw: impl FnMut(Fragment),
+    mut draw: impl FnMut(&Covered<'_>),
 ) {
     let [a, b, c] = triangle.map(|corner| corner.place);
     let face = (b - a).cross(c - a);
     let near = clipped(&triangle);
     for k in 2..near.len() {
-        fill([near[0], near[k - 1], near[k]], size, sides, |fragment| {
-            draw(Fragment { face, ..fragment });
-        });
+        let part = [near[0], near[k - 1], near[k]];
+        fill(part, face, (size, sides), &mut draw);
     }
 }
 
@@ -114,7 +139,12 @@ fn is_top_left(a: [i64; 2], b: [i64; 2]) -> bool {
     (a[1] == b[1] && b[0] > a[0]) || b[1] < a[1]
 }
 
-fn fill(corners: [Corner; 3], size: [u32; 2], sides: Sides, mut draw: impl FnMut(Fragment)) {
+fn fill(
+    corners: [Corner; 3],
+    face: Vec3,
+    (size, sides): ([u32; 2], Sides),
+    draw: &mut impl FnMut(&Covered<'_>),
+) {
     let mut corners = corners;
     let mut places = corners.map(|corner| rounded(corner.position, size));
     let mut area = edge(places[0], places[1], places[2]);
@@ -141,12 +171,15 @@ fn fill(corners: [Corner; 3], size: [u32; 2], sides: Sides, mut draw: impl FnMut
                 continue;
             };
             let shares = shares.map(|share| share as f32 / area as f32);
-            draw(Fragment {
+            draw(&Covered {
                 pixel: [x, y],
                 depth: Vec3::from(shares).dot(Vec3::from(depths)),
-                corner: weighted(&corners, weights(&corners, shares)),
-                face: Vec3::ZERO,
-                uv_steps: [0, 1].map(|k| uv_step((&corners, &places, area), middle, k)),
+                face,
+                corners: &corners,
+                places: &places,
+                area,
+                middle,
+                shares,
             });
         }
     }

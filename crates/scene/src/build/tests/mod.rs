@@ -2,6 +2,7 @@
 
 mod codecs;
 pub(crate) mod meshes;
+mod scattered;
 mod signatures;
 pub(crate) mod textures;
 
@@ -87,8 +88,14 @@ fn each_vertex_is_sent_once() {
         used.sort_unstable();
         used.dedup();
         let there = used.len();
+        // Pieces that stand for others have vertices of their own.
+        let beside = if name == "pieces" {
+            there / 2
+        } else {
+            there / 50 + 3
+        };
         assert!(
-            sent >= there && sent <= there + there / 50 + 3,
+            sent >= there && sent <= there + beside,
             "{name}: {sent} of {there}"
         );
     }

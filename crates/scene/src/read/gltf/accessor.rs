@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::super::error::Fault;
-use super::super::mends::{ACCESSOR_CUT, Mend, Mends, ODD_INDICES, SPARSE_LEFT};
+use super::super::mends::{
+    ACCESSOR_CUT, Mend, Mends, ODD_COMPONENTS, ODD_INDICES, SPARSE_LEFT, STRIDE_TOO_SMALL,
+};
 use super::super::text::shortened;
 use super::buffers::Buffers;
 use super::json::{Accessor, Document, Sparse};
@@ -42,6 +44,10 @@ enum Component {
     U16,
     U32,
     F32,
+    /// The last three are of OpenGL, and not of glTF.
+    I32,
+    F64,
+    F16,
 }
 
 impl Component {
@@ -53,6 +59,9 @@ impl Component {
             5123 => Self::U16,
             5125 => Self::U32,
             5126 => Self::F32,
+            5124 => Self::I32,
+            5130 => Self::F64,
+            5131 => Self::F16,
             _ => return None,
         };
         Some(component)
@@ -61,9 +70,14 @@ impl Component {
     fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
+            Self::I16 | Self::U16 | Self::F16 => 2,
+            Self::U32 | Self::F32 | Self::I32 => 4,
+            Self::F64 => 8,
         }
+    }
+
+    fn is_of_gltf(self) -> bool {
+        !matches!(self, Self::I32 | Self::F64 | Self::F16)
     }
 
     /// The number at the start of `bytes`, which has enough of them.
@@ -82,6 +96,13 @@ impl Component {
             }
             Self::U32 => (f64::from(word()), f64::from(u32::MAX)),
             Self::F32 => (f64::from(f32::from_bits(word())), 1.0),
+            Self::I32 => (f64::from(word() as i32), f64::from(i32::MAX)),
+            Self::F64 => {
+                let mut eight = [0; 8];
+                eight.copy_from_slice(&bytes[..8]);
+                (f64::from_le_bytes(eight), 1.0)
+            }
+            Self::F16 => (half(u16::from_le_bytes([bytes[0], bytes[1]])), 1.0),
         };
         if normalised {
             (value / full).max(-1.0)
@@ -91,10 +112,24 @@ impl Component {
     }
 }
 
+/// The number that bits of a real number of 16 bits are: IEEE 754-2008, binary16.
+fn half(bits: u16) -> f64 {
+    let fraction = f64::from(bits & 0x3ff) / 1024.0;
+    let value = match bits >> 10 & 31 {
+        0 => fraction * (-14.0_f64).exp2(),
+        31 if fraction == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        power => (1.0 + fraction) * (f64::from(power) - 15.0).exp2(),
+    };
+    if bits >> 15 == 1 { -value } else { value }
+}
+
 /// Elements at equal distances in a view.
 struct Rows<'a> {
     bytes: &'a [u8],
     stride: usize,
+    /// Whether the view says a stride that is too small for them.
+    is_closer: bool,
     count: usize,
     component: Component,
     normalised: bool,
@@ -183,6 +218,9 @@ impl Accessors<'_> {
         let fault = |what: String| Fault::at(format!("accessor {number}"), what);
         let accessor = self.get(number)?;
         let component = component_of(accessor.component_type).map_err(fault)?;
+        if !component.is_of_gltf() {
+            self.notes.borrow_mut().add(ODD_COMPONENTS, number, "");
+        }
         let width = width_of(&accessor.shape).ok_or_else(|| {
             let shape = shortened(&accessor.shape);
             fault(format!("its type is {shape:?}, which no mesh has"))
@@ -191,6 +229,9 @@ impl Accessors<'_> {
             Some(view) => {
                 let rows = self.part(accessor, component, width, view);
                 let rows = rows.map_err(|within| within.of(fault))?;
+                if rows.is_closer {
+                    self.notes.borrow_mut().add(STRIDE_TOO_SMALL, number, "");
+                }
                 let (said, found) = (accessor.count, rows.count as u64);
                 if found < said {
                     let what = format!(", of {said} elements, of which {found} exist");
@@ -233,15 +274,29 @@ impl Accessors<'_> {
             Some(Component::I8 | Component::U8) => f64::from(u8::MAX),
             Some(Component::I16 | Component::U16) => f64::from(u16::MAX),
             Some(Component::U32) => f64::from(u32::MAX),
-            Some(Component::F32) | None => 1.0,
+            Some(Component::I32) => f64::from(i32::MAX),
+            Some(Component::F32 | Component::F64 | Component::F16) | None => 1.0,
         };
         Ok(full)
     }
 
-    /// The elements of an accessor of whole numbers; anything else is the largest.
+    /// The largest code of an accessor of normalised codes of sixteen bits; `None` of others.
+    pub(super) fn full_code(&self, number: u32) -> Option<f64> {
+        let accessor = self.get(number).ok()?;
+        let is_code =
+            accessor.normalized && Component::of(accessor.component_type) == Some(Component::U16);
+        is_code.then_some(f64::from(u16::MAX))
+    }
+
+    /// The elements of an accessor of whole numbers; what is none is the largest.
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
-        let whole = [Component::U8, Component::U16, Component::U32];
+        let whole = [
+            Component::U8,
+            Component::U16,
+            Component::U32,
+            Component::I32,
+        ];
         let component = Component::of(accessor.component_type);
         if accessor.normalized {
             let what = "indices must be unsigned whole numbers";
@@ -283,10 +338,8 @@ impl Accessors<'_> {
             None | Some(0) => size,
             Some(stride) => usize::try_from(stride).unwrap_or(usize::MAX),
         };
-        if stride < size {
-            let what = format!("its elements have {size} bytes, but its stride is {stride}");
-            return Err(Within::Here(what));
-        }
+        let is_closer = stride < size;
+        let stride = stride.max(size);
         let fits = fitting(bytes.len() as u64, accessor.byte_offset, stride, size);
         if fits == 0 && accessor.count > 0 {
             let what = format!(
@@ -299,6 +352,7 @@ impl Accessors<'_> {
         Ok(Rows {
             bytes: &bytes[begin..],
             stride,
+            is_closer,
             count: accessor.count.min(fits) as usize,
             component,
             normalised: accessor.normalized,

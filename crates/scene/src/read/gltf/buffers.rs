@@ -116,7 +116,11 @@ impl<'a> Buffers<'a> {
                 return Err(Fault::at(format!("buffer {}", view.buffer), what));
             }
         };
-        range(bytes, view.byte_offset, view.byte_length).ok_or_else(|| {
+        let length = match view.byte_length {
+            0 => u64::MAX,
+            length => length,
+        };
+        range(bytes, view.byte_offset, length).ok_or_else(|| {
             let what = format!(
                 "bytes {} and {} more are beyond buffer {}, which has {}",
                 view.byte_offset,

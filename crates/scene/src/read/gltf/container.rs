@@ -2,6 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::text::shortened;
+use super::fitted::fitted;
 use super::json::Document;
 use super::mended::mended;
 
@@ -18,7 +19,8 @@ const LEAST_OBJECT_BYTES: usize = 16;
 const MOST_BARE: usize = 100_000;
 
 /// What surfaces need of these is drawn.
-const DRAWN: [&str; 10] = [
+const DRAWN: [&str; 11] = [
+    "CESIUM_RTC",
     "KHR_mesh_quantization",
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
@@ -32,7 +34,8 @@ const DRAWN: [&str; 10] = [
 ];
 /// These say nothing about surfaces, or of light only what is not drawn of any material. Without
 /// pictures that are not read, a material has its colour; motion is not drawn.
-const HARMLESS: [&str; 26] = [
+const HARMLESS: [&str; 27] = [
+    "FB_ngon_encoding",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
@@ -140,7 +143,8 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, Fault> {
         let what = format!("{objects} objects in {} bytes say nothing", json.len());
         return Err(Fault::at("JSON", what));
     }
-    let (document, mended) = document_of(json)?;
+    let (mut document, mut mended) = document_of(json)?;
+    mended += document.adopt_near_names();
     let version = document.asset.version();
     if !(version.starts_with("2.") || version == "2" || version.is_empty()) {
         let version = shortened(&version);
@@ -170,6 +174,9 @@ fn document_of(json: &[u8]) -> Result<(Document, usize), Fault> {
     let (text, count) = mended(json);
     if let (Ok(document), true) = (serde_json::from_slice(&text), count > 0) {
         return Ok((document, count));
+    }
+    if let Some((document, more)) = fitted(&text) {
+        return Ok((document, count + more));
     }
     let place = format!("JSON, line {} column {}", error.line(), error.column());
     Err(Fault::at(place, format!("is no glTF: {error}")))

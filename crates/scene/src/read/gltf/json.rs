@@ -3,6 +3,7 @@
 //! Only this is read, so that a file is never refused for what is not drawn anyway. Source:
 //! Khronos, "glTF 2.0 Specification", section 5.
 
+use super::super::colour::Brightness;
 use super::super::error::Fault;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -26,6 +27,46 @@ pub(super) struct Document {
     pub(super) animations: Vec<IgnoredAny>,
     pub(super) extensions_used: Vec<String>,
     pub(super) extensions_required: Vec<String>,
+    pub(super) extensions: DocumentExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct DocumentExtensions {
+    #[serde(rename = "CESIUM_RTC")]
+    pub(super) centre: Option<Centre>,
+}
+
+/// Where the places of a file count from.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Centre {
+    pub(super) center: [f64; 3],
+}
+
+impl Document {
+    /// Takes names that differ from those of glTF in capitals, or in a number, as meant; gives how
+    /// many there were.
+    pub(super) fn adopt_near_names(&mut self) -> usize {
+        let mut adopted = 0;
+        let parts = self.meshes.iter_mut().flat_map(|it| &mut it.primitives);
+        for part in parts {
+            adopted += part.attributes.adopt();
+            adopted += part.targets.iter_mut().map(|it| it.adopt()).sum::<usize>();
+            let draco = part.extensions.draco.as_mut();
+            adopted += draco.map_or(0, |it| it.attributes.adopt());
+        }
+        let shapes = self.accessors.iter_mut().map(|it| &mut it.shape);
+        let modes = self.materials.iter_mut();
+        let modes = modes.filter_map(|it| it.alpha_mode.as_mut());
+        for name in shapes.chain(modes) {
+            if name.bytes().any(|it| it.is_ascii_lowercase()) {
+                name.make_ascii_uppercase();
+                adopted += 1;
+            }
+        }
+        adopted
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -153,6 +194,14 @@ pub(super) struct GltfAttributes {
     uvs_2: Option<u32>,
     #[serde(rename = "TEXCOORD_3")]
     uvs_3: Option<u32>,
+    #[serde(rename = "position", alias = "Position")]
+    near_position: Option<u32>,
+    #[serde(rename = "normal", alias = "Normal")]
+    near_normal: Option<u32>,
+    #[serde(rename = "color_0", alias = "COLOR", alias = "color")]
+    near_colour: Option<u32>,
+    #[serde(rename = "texcoord_0", alias = "TEXCOORD", alias = "texcoord")]
+    near_uvs: Option<u32>,
 }
 
 impl GltfAttributes {
@@ -166,8 +215,26 @@ impl GltfAttributes {
             uvs_1,
             uvs_2,
             uvs_3,
+            ..
         } = self;
         [position, normal, colour, uvs_0, uvs_1, uvs_2, uvs_3].map(Option::as_mut)
+    }
+
+    /// Takes what stands under nearly the right name; gives of how many.
+    fn adopt(&mut self) -> usize {
+        let all = [
+            (&mut self.position, self.near_position.take()),
+            (&mut self.normal, self.near_normal.take()),
+            (&mut self.colour, self.near_colour.take()),
+            (&mut self.uvs_0, self.near_uvs.take()),
+        ];
+        let mut adopted = 0;
+        for (own, near) in all {
+            if own.is_none() && near.is_some() {
+                (*own, adopted) = (near, adopted + 1);
+            }
+        }
+        adopted
     }
 
     /// A set of places on textures.
@@ -295,7 +362,19 @@ impl GltfMaterial {
 
     /// What light it gives off.
     pub(super) fn emitted(&self) -> [f64; 3] {
-        self.emissive_factor.unwrap_or([0.0; 3])
+        let said = self.emissive_factor.unwrap_or([0.0; 3]);
+        said.map(|it| it / Brightness::of(said, 1.0).full())
+    }
+
+    /// How the parts of its colour are taken.
+    pub(super) fn taken(&self) -> Brightness {
+        match self.is_light() {
+            true => Brightness::of(self.emissive_factor.unwrap_or([0.0; 3]), 1.0),
+            false => {
+                let [red, green, blue, alpha] = self.said_factor();
+                Brightness::of([red, green, blue], alpha)
+            }
+        }
     }
 
     /// What its colour is multiplied with.
@@ -309,11 +388,30 @@ impl GltfMaterial {
     }
 
     fn own_factor(&self) -> [f64; 4] {
+        let [red, green, blue, alpha] = self.said_factor();
+        let full = Brightness::of([red, green, blue], alpha).full();
+        let alpha = if alpha > 1.0 { alpha / full } else { alpha };
+        [red / full, green / full, blue / full, alpha]
+    }
+
+    fn said_factor(&self) -> [f64; 4] {
         let factor = match self.glossiness() {
             Some(said) => said.factor,
             None => self.pbr_metallic_roughness.factor,
         };
         factor.unwrap_or([1.0; 4])
+    }
+
+    /// Whether it is half transparent, or has no more alpha than a picture's mask should leave.
+    pub(super) fn is_lost_alpha(&self) -> bool {
+        match self.alpha_mode.as_deref() {
+            Some("BLEND") => true,
+            Some("MASK") => {
+                let alpha = self.own_factor()[3];
+                self.texture().is_none() && alpha < self.alpha_cutoff.unwrap_or(0.5)
+            }
+            _ => false,
+        }
     }
 
     /// The texture of its colour.

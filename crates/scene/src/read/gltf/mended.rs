@@ -21,7 +21,7 @@ const NUMBERS: [&[u8]; 12] = [
     b"COLOR_0",
 ];
 /// Members whose value is a text, also where it looks like a number.
-const TEXTS: [&[u8]; 10] = [
+const TEXTS: [&[u8]; 9] = [
     b"name",
     b"uri",
     b"version",
@@ -30,7 +30,6 @@ const TEXTS: [&[u8]; 10] = [
     b"copyright",
     b"type",
     b"mimeType",
-    b"mode",
     b"filter",
 ];
 /// Members that are true or false.

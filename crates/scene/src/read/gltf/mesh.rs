@@ -8,7 +8,7 @@ use super::super::colour::Depth;
 use super::super::error::Fault;
 use super::super::mends::{
     ATTRIBUTE_LEFT, ATTRIBUTE_LENGTH, COLOUR_MADE, FAN_FILLED, MATERIAL_NOT_FOUND, Mends,
-    PART_LEFT, POINT_WITHOUT_PLACE, SHAPE_LEFT,
+    PART_LEFT, POINT_WITHOUT_PLACE, SHAPE_LEFT, TEXTURE_WITHOUT_UVS,
 };
 use super::super::outliers;
 use super::super::polygon::{Filler, Filling, tell};
@@ -168,6 +168,12 @@ impl MeshReader<'_> {
             uvs: uv_set.and_then(|set| primitive.attributes.uvs(set)),
             opaque,
         };
+        let is_bare = uv_set.is_some() && streams.uvs.is_none();
+        self.mends
+            .add(TEXTURE_WITHOUT_UVS, usize::from(is_bare), || {
+                let set = uv_set.unwrap_or(0);
+                format!("is {place}, which has no TEXCOORD_{set}")
+            });
         if primitive.mode == Some(POINTS) {
             return self.add_points(primitive, (streams, material), place);
         }
@@ -410,8 +416,15 @@ impl MeshReader<'_> {
     }
 
     fn colours(&mut self, number: u32, opaque: bool) -> Result<Vec<[f32; 4]>, Fault> {
-        let colours = self.accessors.rows::<4>(number, &[3, 4])?;
-        let usual = self.accessors.full_light(number)?;
+        let mut colours = self.accessors.rows::<4>(number, &[3, 4])?;
+        let mut usual = self.accessors.full_light(number)?;
+        let is_said = usual <= 1.0;
+        // Codes of sixteen bits may be such of fewer.
+        if let Some(full) = self.accessors.full_code(number) {
+            usual = full;
+            let code = |it: &mut f64| *it = (*it * full).round();
+            colours.as_flattened_mut().iter_mut().for_each(code);
+        }
         let mut depth = Depth::default();
         for colour in &colours {
             depth.add([colour[0], colour[1], colour[2]]);
@@ -423,7 +436,7 @@ impl MeshReader<'_> {
             .filter(|it| full.is_stray([it[0], it[1], it[2]]));
         let strays = strays.count();
         let what = format!("vertices (accessor {number})");
-        if usual > 1.0 {
+        if !is_said {
             count(&mut self.repairs, "colours_not_normalised", colours.len());
             self.remarks.push(format!(
                 "colours of {what} are whole numbers that are not said to be parts of 1: {} \

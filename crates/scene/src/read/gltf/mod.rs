@@ -4,6 +4,7 @@ mod accessor;
 mod buffers;
 mod container;
 mod draco;
+mod fitted;
 mod json;
 mod mended;
 mod mesh;
@@ -17,7 +18,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::error::Fault;
-use super::mends::{Mends, VIEW_CUT};
+use super::image::transparent;
+use super::mends::{Mends, VIEW_CUT, VIEW_EMPTY};
 use super::polygon::Filler;
 use super::search::Folder;
 use super::sound::count;
@@ -148,6 +150,13 @@ fn opened<'a>(bytes: &'a [u8], folder: &mut dyn Folder) -> Result<Opened<'a>, Fa
         .collect();
     let place = || format!("is buffer view {}", cut.first().unwrap_or(&0));
     mends.add(VIEW_CUT, cut.len(), place);
+    let is_empty = |(view, _): &(&View, u32)| view.byte_length == 0;
+    let mut empty = document.buffer_views.iter().zip(0..).filter(is_empty);
+    let first = empty.next().map(|(_, number)| number);
+    let times = usize::from(first.is_some()) + empty.count();
+    mends.add(VIEW_EMPTY, times, || {
+        format!("is buffer view {}", first.unwrap_or(0))
+    });
     meshopt::unpack(&mut document, &mut buffers, &mut mends);
     draco::unpack(&mut document, &mut buffers);
     Ok(Opened {
@@ -215,6 +224,7 @@ fn materials(
         ..material(said)
     });
     let read = read.collect();
+    tell_of_brightness(accessors.document, scene);
     let lights = accessors.document.materials.iter();
     let lights = lights.filter(|it| it.is_light()).count();
     count(&mut scene.repairs, "lights_shown_as_colours", lights);
@@ -226,6 +236,22 @@ fn materials(
     }
     textures.mends.tell(name, scene);
     read
+}
+
+/// Says which factors are beyond what is white.
+fn tell_of_brightness(document: &Document, scene: &mut SourceScene) {
+    let all = document.materials.iter().zip(0..);
+    let told = all.filter_map(|(it, number): (_, u32)| {
+        let name = it.name.as_deref().unwrap_or("");
+        let what = format!("the colour of material {number}, {:?},", shortened(name));
+        it.taken().told(&what)
+    });
+    for (number, (repair, remark)) in told.enumerate() {
+        count(&mut scene.repairs, repair, 1);
+        if number < MOST_NAMED {
+            scene.remark(remark);
+        }
+    }
 }
 
 fn material(said: &GltfMaterial) -> Material {
@@ -293,14 +319,19 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
             any(|it| !it.is_light() && it.emitted().iter().any(|it| *it > 0.0)),
             "light that surfaces give off is not drawn",
         ),
-        (
-            any(|it| it.alpha_mode.as_deref() == Some("BLEND")),
-            "semi-transparent surfaces are drawn opaque",
-        ),
     ] {
         if is_lost {
             scene.remark(remark);
         }
+    }
+    let lost = document.materials.iter().filter(|it| it.is_lost_alpha());
+    let names = lost.map(|it| it.name.as_deref().unwrap_or(""));
+    transparent::tell(names, scene);
+    if let Some(centre) = &document.extensions.centre {
+        let [x, y, z] = centre.center;
+        scene.remark(format!(
+            "places count from {x}, {y}, {z} (CESIUM_RTC): all stands there"
+        ));
     }
 }
 

@@ -77,7 +77,7 @@ fn without_nodes(document: &Document, mends: &mut Mends) -> Vec<ShownMesh> {
     let shown = all.map(|mesh| ShownMesh {
         mesh,
         node: None,
-        world_from_mesh: DAffine3::IDENTITY,
+        world_from_mesh: world_from_roots(document),
     });
     shown.collect()
 }
@@ -181,7 +181,7 @@ fn walk(document: &Document, mends: &mut Mends) -> Result<(Placed, Vec<DAffine3>
         }
         world_from_node[node] = match parent {
             Some(parent) => world_from_node[parent] * parent_from_node,
-            None => parent_from_node,
+            None => world_from_roots(document) * parent_from_node,
         };
         order.push((node, world_from_node[node]));
         next.push(Step::Leave(node));
@@ -189,6 +189,12 @@ fn walk(document: &Document, mends: &mut Mends) -> Result<(Placed, Vec<DAffine3>
         next.extend(children.map(|child| Step::Enter(*child, Some(node))));
     }
     Ok((order, world_from_node))
+}
+
+/// Where all roots stand.
+fn world_from_roots(document: &Document) -> DAffine3 {
+    let centre = document.extensions.centre.as_ref();
+    DAffine3::from_translation(centre.map_or(DVec3::ZERO, |it| it.center.into()))
 }
 
 /// The roots of the scene to show; without scenes, all nodes that are no child, or, where each is

@@ -13,6 +13,8 @@ const HEADER_BYTES: [usize; 3] = [227, 235, 375];
 const RECORD_HEAD: usize = 54;
 /// And one behind the points with that many.
 const LATER_RECORD_HEAD: usize = 60;
+/// Stands for a number of points that nothing tells.
+const UNCOUNTED: u64 = u32::MAX as u64;
 /// Bits of the point format by which LASzip says that points are packed.
 const PACKED: u8 = 0xc0;
 
@@ -83,8 +85,10 @@ pub(super) struct LasHeader {
     pub(super) is_packed: bool,
     /// Bytes of a record.
     pub(super) record_bytes: usize,
-    /// Number of points that it says.
+    /// Number of points that it says; of packed ones that it does not count, more than any file
+    /// has.
     pub(super) count: u64,
+    pub(super) is_counted: bool,
     /// Where the points begin, in bytes.
     pub(super) points_at: usize,
     /// Where what comes after the points begins, or the file ends.
@@ -123,6 +127,7 @@ impl LasHeader {
             is_packed: is_packed != 0,
             record_bytes: usize::from(half_at(bytes, 105)),
             count: 0,
+            is_counted: true,
             points_at: word_at(bytes, 96) as usize,
             points_end: end_of_points(bytes, minor, layout.has_waves),
             scale: [131, 139, 147].map(number),
@@ -130,8 +135,11 @@ impl LasHeader {
             header_bytes: usize::from(half_at(bytes, 94)),
             records: word_at(bytes, 100),
         };
+        header.mend_record_bytes(bytes, minor, mends);
         header.check(bytes.len())?;
         header.count = header.count_of(bytes, minor, mends)?;
+        let is_said = word_at(bytes, 107) > 0 || minor >= 4 && long_at(bytes, 247) > 0;
+        header.is_counted = is_said || header.count < UNCOUNTED;
         header.note_records(bytes, mends);
         note_later_records(bytes, minor, mends);
         note_returns(bytes, minor, header.count, mends);
@@ -149,6 +157,21 @@ impl LasHeader {
                     "the header counts no points; the {held} that the file holds are shown"
                 ));
                 held
+            }
+            [0, 0] if self.is_packed && self.points_at < self.points_end => {
+                let of_echoes = echoes_of(bytes, minor)
+                    .iter()
+                    .fold(0_u64, |all, it| all.saturating_add(*it));
+                let count = match of_echoes {
+                    0 => UNCOUNTED,
+                    all => all.min(UNCOUNTED - 1),
+                };
+                let what = match of_echoes {
+                    0 => "those of its chunks are shown".to_owned(),
+                    all => format!("the {all} of which it counts echoes are read"),
+                };
+                mends.stale_count(format!("the header counts no points; {what}"));
+                count
             }
             [0, 0] => {
                 let found = "the file has no points".to_owned();
@@ -179,6 +202,35 @@ impl LasHeader {
             return Err(Fault::unsupported(format!("{count} points"), next));
         }
         Ok(count)
+    }
+
+    /// A record that is shorter than its format asks for has one of these lengths wrong: the bytes
+    /// of all points tell which.
+    fn mend_record_bytes(&mut self, bytes: &[u8], minor: u8, mends: &mut LasMends) {
+        let (said, least) = (self.record_bytes, self.layout.least_bytes);
+        if said >= least || self.points_at > bytes.len() {
+            return;
+        }
+        let new = if minor >= 4 { long_at(bytes, 247) } else { 0 };
+        let count = u64::from(word_at(bytes, 107)).max(new);
+        let room = self.points_end.saturating_sub(self.points_at) as u64;
+        let fits = |length: usize| count > 0 && count.saturating_mul(length as u64) <= room;
+        let shorter = (0..=3)
+            .filter_map(Layout::of)
+            .find(|it| it.least_bytes == said);
+        if self.is_packed || fits(least) {
+            self.record_bytes = least;
+            mends.stale_count(format!(
+                "a point is said to have {said} bytes, of at least {least}, which there are: \
+                 {least} are read"
+            ));
+        } else if let Some(shorter) = shorter.filter(|_| fits(said)) {
+            self.layout = shorter;
+            mends.stale_count(format!(
+                "a point has {said} bytes, of at least {least} of its format: it is read as one \
+                 of a format of {said} bytes"
+            ));
+        }
     }
 
     /// The records that the header counts should lie between it and the points.
@@ -338,15 +390,22 @@ fn note_later_records(bytes: &[u8], minor: u8, mends: &mut LasMends) {
     }
 }
 
+/// How many points are first, second .. echoes of pulses, as the header counts them.
+fn echoes_of(bytes: &[u8], minor: u8) -> Vec<u64> {
+    match minor {
+        4 => (0..15).map(|k| long_at(bytes, 255 + 8 * k)).collect(),
+        _ => (0..5)
+            .map(|k| u64::from(word_at(bytes, 111 + 4 * k)))
+            .collect(),
+    }
+}
+
 /// No more echoes can be the first, second .. of a pulse than there are points. (Many files count
 /// fewer, or none.)
 fn note_returns(bytes: &[u8], minor: u8, count: u64, mends: &mut LasMends) {
-    let old = (0..5).map(|k| u64::from(word_at(bytes, 111 + 4 * k)));
-    let told = match minor {
-        4 => (0..15).map(|k| long_at(bytes, 255 + 8 * k)).collect(),
-        _ => old.collect::<Vec<_>>(),
-    };
-    let all = told.iter().fold(0, |all: u64, it| all.saturating_add(*it));
+    let all = echoes_of(bytes, minor)
+        .iter()
+        .fold(0, |all: u64, it| all.saturating_add(*it));
     if all > count {
         mends.stale_count(format!(
             "the header counts {all} echoes of pulses, but {count} points"

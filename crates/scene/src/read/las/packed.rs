@@ -85,6 +85,10 @@ pub(super) fn read(
     };
     let end = header.points_end.max(header.points_at).min(bytes.len());
     let (bytes_of_points, in_one) = (&bytes[..end], packing == Packing::One);
+    if in_one && !header.is_counted {
+        let found = "the header counts no points, and nothing tells how many are packed".to_owned();
+        return Err(Fault::Empty { found });
+    }
     if !in_one {
         let table = table_of_chunks(bytes, header);
         let chunks = table.and_then(|table| packed.chunks(bytes, header, table));
@@ -104,7 +108,9 @@ pub(super) fn read(
     }
     let found = packed.in_turn(bytes_of_points, header, records)?;
     let why = "the file ends early, or is damaged";
-    mends.miss(header.count - found, header.count, why);
+    if header.is_counted {
+        mends.miss(header.count - found, header.count, why);
+    }
     Ok(())
 }
 
@@ -173,17 +179,7 @@ impl Packed<'_> {
             }
             None => {}
         }
-        match all.cmp(&header.count) {
-            Ordering::Less => {
-                let why = "the file ends early, or its chunks hold fewer";
-                mends.miss(header.count - all, header.count, why);
-            }
-            Ordering::Greater => mends.stale_count(format!(
-                "the header counts {} points, and its chunks {all}, which are shown",
-                header.count
-            )),
-            Ordering::Equal => {}
-        }
+        tell_count(all, header, mends);
         Ok(())
     }
 
@@ -284,6 +280,25 @@ impl Packed<'_> {
             0 => Err(header.wrong_count(&what)),
             _ => Ok(found),
         }
+    }
+}
+
+/// Tells where chunks hold other points than the header counts.
+fn tell_count(all: u64, header: &LasHeader, mends: &mut LasMends) {
+    match all.cmp(&header.count) {
+        Ordering::Less if !header.is_counted => mends.remark(
+            "nothing tells how many points the last chunk has: a few at its end may be missing"
+                .to_owned(),
+        ),
+        Ordering::Less => {
+            let why = "the file ends early, or its chunks hold fewer";
+            mends.miss(header.count - all, header.count, why);
+        }
+        Ordering::Greater => mends.stale_count(format!(
+            "the header counts {} points, and its chunks {all}, which are shown",
+            header.count
+        )),
+        Ordering::Equal => {}
     }
 }
 

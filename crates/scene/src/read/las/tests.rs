@@ -111,11 +111,6 @@ fn what_a_machine_scans_of_a_plain_is_read_though_it_packs_beyond_a_hundred_to_o
     }
 }
 
-fn refusal(bytes: &[u8]) -> String {
-    let fault = read(bytes, "a").unwrap_err();
-    fault.in_file(std::path::Path::new("a.las")).to_string()
-}
-
 /// What is left of a file that was changed: points, remarks, and repairs by name.
 fn mended(bytes: &[u8]) -> (usize, String, Vec<(String, u64)>) {
     let scene = read(bytes, "a").unwrap();
@@ -180,8 +175,16 @@ fn packed_points_that_are_there_come_whatever_is_counted() {
     let chunked = || file(&points(700), 2, (1, 2), true);
     let (found, told, repairs) = mended(&with_word(chunked(), 107, 5));
     assert_eq!((found, repairs.len()), (5, 1), "{told}");
-    let said = refusal(&with_word(chunked(), 107, 0));
-    assert!(said.contains("the file has no points"), "{said}");
+    // Echoes are counted beside points.
+    let uncounted = with_word(with_word(chunked(), 107, 0), 111, 700);
+    let (found, told, repairs) = mended(&uncounted);
+    assert_eq!((found, repairs), (700, counts(&[("stale_counts", 1)])));
+    assert!(told.contains("the 700 of which it counts echoes"), "{told}");
+    let without = (111..131).step_by(4);
+    let without = without.fold(uncounted, |bytes, at| with_word(bytes, at, 0));
+    let (found, told, _) = mended(&without);
+    assert!((600..=700).contains(&found), "{found}");
+    assert!(told.contains("a few at its end may be missing"), "{told}");
     let all = read(&chunked(), "a").unwrap().clouds.remove(0).places;
     for count in [60_000, 700_000, u32::MAX] {
         // Those of the last few bytes of a chunk of unknown number are not known from others.
@@ -201,6 +204,26 @@ fn packed_points_that_are_there_come_whatever_is_counted() {
     layered[247..255].copy_from_slice(&9_u64.to_le_bytes());
     let (found, told, _) = mended(&layered);
     assert!(found == 700 && told.contains("counts 9 points"), "{told}");
+}
+
+#[test]
+fn a_length_of_records_that_does_not_fit_their_format_is_told_by_the_bytes() {
+    let with_length = |mut bytes: Vec<u8>, length: u16| {
+        bytes[105..107].copy_from_slice(&length.to_le_bytes());
+        bytes
+    };
+    let coloured = with_length(file(&points(700), 2, (1, 2), false), 20);
+    let (found, told, repairs) = mended(&coloured);
+    assert_eq!((found, repairs), (700, counts(&[("stale_counts", 1)])));
+    assert!(told.contains("26 are read"), "{told}");
+    assert!(!read(&coloured, "a").unwrap().clouds[0].colours.is_empty());
+    let mut bare = file(&points(700), 0, (1, 2), false);
+    bare[104] = 2;
+    let (found, told, _) = mended(&bare);
+    assert!(
+        found == 700 && told.contains("of a format of 20 bytes"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -9,6 +9,9 @@ const NONE: u32 = u32::MAX;
 /// Stands for one that nothing can have.
 const LOST: u32 = u32::MAX - 1;
 
+/// Stands for no place on a texture until all faces are read.
+pub(super) const NO_UV: [f32; 2] = [f32::MAX; 2];
+
 /// What a corner of a face names, by numbers of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
@@ -23,6 +26,11 @@ pub(super) struct Corner {
 pub(super) struct FaceCorner([u32; 3]);
 
 impl FaceCorner {
+    /// Whether a number of it is none that there could be.
+    pub(super) fn is_lost(self) -> bool {
+        self.0.contains(&LOST)
+    }
+
     /// Whether all that it names is among so many.
     pub(super) fn is_there(self, counts: [usize; 3]) -> bool {
         let [place, uv, normal] = self.0;
@@ -96,6 +104,22 @@ impl Vertices {
     /// Number of vertices.
     pub(super) fn len(&self) -> usize {
         self.all.len()
+    }
+
+    /// The place of each vertex.
+    pub(super) fn place_of_each(&self) -> Vec<u32> {
+        let mut places = vec![NONE; self.all.len()];
+        for (place, newest) in (0..).zip(&self.newest) {
+            let mut at = *newest;
+            while at != NONE {
+                places[at as usize] = place;
+                at = self.all[at as usize][0];
+            }
+        }
+        for (corner, vertex) in &self.more {
+            places[*vertex as usize] = corner.place;
+        }
+        places
     }
 
     /// The places that have a vertex.

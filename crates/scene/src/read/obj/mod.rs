@@ -7,6 +7,8 @@
 mod corners;
 mod mtl;
 mod points;
+mod polypaint;
+mod shown;
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -25,9 +27,10 @@ use super::text::{Words, lines, shortened, utf8_of};
 use crate::source::{
     Material, MaterialTexture, SourceImage, SourceMesh, SourceObject, SourceScene,
 };
-use corners::{Corner, FaceCorner, Late, Vertices};
+use corners::{Corner, FaceCorner, Late, NO_UV, Vertices};
 use mtl::Library;
 use points::NamedPoints;
+use polypaint::Polypaint;
 
 /// Reads an OBJ file into one object called `name`.
 pub(super) fn read(
@@ -73,6 +76,7 @@ struct Reader<'a> {
     /// Faces that name what did not stand before them.
     late: Late,
     points: NamedPoints,
+    polypaint: Polypaint,
     mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
@@ -110,6 +114,7 @@ impl Reader<'_> {
             outline: Vec::new(),
             late: Late::of(first),
             points: NamedPoints::default(),
+            polypaint: Polypaint::default(),
             mends: Mends::default(),
             library: Library::default(),
             libraries: HashSet::new(),
@@ -134,6 +139,9 @@ impl Reader<'_> {
         };
         if matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "p" | "l") {
             words.leave_out_comment();
+            if keyword.starts_with('v') {
+                words.leave_out_slashes();
+            }
             self.read_numbers(keyword, words)?;
             let at = words.line;
             let place = || format!("in line {at}");
@@ -144,7 +152,10 @@ impl Reader<'_> {
         }
         match keyword {
             "usemtl" => {
-                self.use_material(&words.rest())?;
+                // Some programs write so that there is none.
+                let name = words.rest();
+                let name = if name == "(null)" { "" } else { &name };
+                self.use_material(name)?;
                 Ok(())
             }
             "mtllib" => self.read_library(words),
@@ -153,7 +164,19 @@ impl Reader<'_> {
                 self.scene.remark(remark);
                 Ok(())
             }
-            _ => Ok(()),
+            "#mrgb" => {
+                self.polypaint.read(words);
+                Ok(())
+            }
+            _ => {
+                // No program calls anything so: what is left of a merge, or of a page.
+                let is_word = keyword.starts_with(|it: char| it.is_alphabetic() || it == '#');
+                let at = words.line;
+                let is_broken = usize::from(!is_word && !keyword.starts_with("//"));
+                self.mends
+                    .add(mends::LINE_BROKEN, is_broken, || format!("in line {at}"));
+                Ok(())
+            }
         }
     }
 
@@ -222,8 +245,15 @@ impl Reader<'_> {
     fn read_face(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
         self.face.clear();
         let counts = [self.places.len(), self.uvs.len(), self.normals.len()];
+        let mut before = "";
         while let Some(word) = words.next() {
-            self.face.push(self.late.corner(word, counts));
+            let corner = self.late.corner(word, counts);
+            if !corner.is_lost() {
+                self.face.push(corner);
+            } else if !self.read_odd_corner([before, word], counts, words.line) {
+                break;
+            }
+            before = word;
         }
         if self.face.len() < 3 {
             count(&mut self.scene.repairs, "faces_under_three_corners", 1);
@@ -240,6 +270,37 @@ impl Reader<'_> {
                 Ok(())
             }
         }
+    }
+
+    /// Reads a word of a face that names no vertex, with the one before; `false` where a comment
+    /// begins.
+    fn read_odd_corner(
+        &mut self,
+        [before, word]: [&str; 2],
+        counts: [usize; 3],
+        line: usize,
+    ) -> bool {
+        let is_number = |it: char| it.is_ascii_digit() || it == '-';
+        if word.starts_with("//") && !word[2..].starts_with(is_number) {
+            return false;
+        }
+        let is_part = word.starts_with('/') && !self.face.is_empty();
+        let is_list = word.contains(',');
+        let times = usize::from(is_part || is_list);
+        self.mends
+            .add(mends::FACE_SIGNS, times, || format!("in line {line}"));
+        if is_part {
+            self.face.pop();
+        }
+        let whole = if is_part {
+            format!("{before}{word}")
+        } else {
+            word.to_owned()
+        };
+        let corners = whole.split(',').filter(|it| !it.is_empty());
+        self.face
+            .extend(corners.map(|it| self.late.corner(it, counts)));
+        true
     }
 
     /// Adds the face whose corners stand in `face`; left out if a vertex of it does not exist.
@@ -282,8 +343,8 @@ impl Reader<'_> {
             self.mesh.normals.push(normal);
         }
         if uv.is_some() || !self.mesh.uvs.is_empty() {
-            self.mesh.uvs.resize(vertices, [0.0; 2]);
-            let uv = uv.map_or([0.0; 2], |uv| self.uvs[uv as usize]);
+            self.mesh.uvs.resize(vertices, NO_UV);
+            let uv = uv.map_or(NO_UV, |uv| self.uvs[uv as usize]);
             self.mesh.uvs.push(uv);
         }
         let colour = self.place_colours.get(place as usize);
@@ -358,6 +419,9 @@ impl Reader<'_> {
     /// The files of one line: their names have no blanks, unless it is one name.
     fn read_library(&mut self, words: &Words<'_>) -> Result<(), Fault> {
         let whole = words.rest();
+        if whole.is_empty() {
+            return Ok(());
+        }
         if !self.libraries.insert(whole.clone()) {
             return Ok(());
         }
@@ -365,8 +429,8 @@ impl Reader<'_> {
             let what = format!("more than {MOST_LIBRARIES} files of materials are named");
             return Err(Fault::line(words.line, what));
         }
-        // Blanks may be of one name, or between several; quotes decide.
-        match search::read(self.folder, &[&whole]) {
+        // Blanks may be of one name, or between several; quotes tell.
+        match search::read(self.folder, &[words.rest_as_it_is(), &whole]) {
             Err(Fault::Missing { .. }) if whole.contains(' ') && !whole.starts_with('"') => {
                 for name in whole.split(' ').take(MOST_LIBRARIES) {
                     let file = search::read(self.folder, &[name]);
@@ -384,11 +448,24 @@ impl Reader<'_> {
         file: Result<Rc<Vec<u8>>, Fault>,
         line: usize,
     ) -> Result<(), Fault> {
+        let materials = self.library.materials.len();
+        let file = file.and_then(|bytes| match mtl::is_text(&utf8_of(&bytes)) {
+            true => Ok(bytes),
+            false => Err(Fault::Missing {
+                name: name.to_owned(),
+                reason: "it is no text".to_owned(),
+            }),
+        });
         match file {
             Ok(bytes) => {
                 for line in self.library.read(&utf8_of(&bytes), name) {
                     let place = || format!("in line {line} of {:?}", shortened(name));
                     self.mends.add(mends::LINE_BROKEN, 1, place);
+                }
+                if materials == 0 && self.library.materials.is_empty() {
+                    let name = shortened(name);
+                    let remark = format!("{name:?} says nothing of materials (no `newmtl`)");
+                    self.scene.remark(remark);
                 }
             }
             Err(Fault::Missing { reason, .. }) => {
@@ -437,11 +514,16 @@ impl Reader<'_> {
         }
         let remarks = std::mem::take(&mut self.library.remarks);
         remarks.into_iter().for_each(|it| self.scene.remark(it));
+        let mends = std::mem::take(&mut self.library.mends);
+        mends.tell("materials", &mut self.scene);
         let polygons = std::mem::take(&mut self.polygons);
         polygons.fill(&mut self.mesh, &mut self.mends);
+        self.show_colours_on_black();
         if !self.place_colours.is_empty() {
             self.light_colours(name);
         }
+        self.paint();
+        self.tell_what_is_not_shown();
         self.add_points(name);
         self.scene.objects.push(SourceObject {
             name: name.to_owned(),
@@ -475,10 +557,26 @@ impl Reader<'_> {
 
     /// Looks up materials again that were named before the file that has them, or with a comment.
     fn find_materials(&mut self) {
-        for (name, number) in std::mem::take(&mut self.lost_materials) {
+        let lost = std::mem::take(&mut self.lost_materials);
+        let mut near: HashMap<String, String> = HashMap::new();
+        if !lost.is_empty() {
+            let mut names: Vec<&String> = self.library.materials.keys().collect();
+            names.sort_unstable();
+            for name in names {
+                near.entry(mtl::alike(name)).or_insert_with(|| name.clone());
+            }
+        }
+        for (name, number) in lost {
             let bare = name.split_once('#').map_or("", |(bare, _)| bare.trim_end());
             let known = |name: &str| Some((name.to_owned(), self.library.materials.get(name)?));
-            match known(&name).or_else(|| known(bare)) {
+            let mut found = known(&name).or_else(|| known(bare));
+            if found.is_none() {
+                found = near.get(&mtl::alike(&name)).and_then(|it| known(it));
+                let place = || format!("is {:?}", shortened(&name));
+                let times = usize::from(found.is_some());
+                self.mends.add(mends::MATERIAL_NEARLY, times, place);
+            }
+            match found {
                 Some((name, material)) => {
                     let material = material.clone();
                     let texture = self.texture(&name);
@@ -487,7 +585,10 @@ impl Reader<'_> {
                         ..material
                     };
                 }
-                None => count(&mut self.scene.repairs, "materials_not_found", 1),
+                None => {
+                    let place = || format!("is {:?}", shortened(&name));
+                    self.mends.add(mends::MATERIAL_NOT_FOUND, 1, place);
+                }
             }
         }
     }
@@ -495,3 +596,5 @@ impl Reader<'_> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_of_looks;

@@ -2,10 +2,11 @@
 //!
 //! `Kd` is taken as sRGB-encoded, as programs that write it show it so.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use super::super::colour::linear_from_encoded;
+use super::super::colour::{Brightness, linear_from_encoded};
 use super::super::error::Fault;
+use super::super::mends::{MAP_OPTION_LEFT, MATERIAL_TWICE, Mends, SPECTRUM_LEFT};
 use super::super::sound::count;
 use super::super::text::{Words, lines, shortened};
 use crate::source::{Material, Repairs};
@@ -13,10 +14,6 @@ use percent_encoding::percent_decode_str;
 
 /// Light of what is black.
 const DARKEST: f32 = 1e-3;
-/// A `Kd` is brighter than white by mistake up to here; what is beyond is written from 0 to 255.
-const MOST_LIGHT: f64 = 16.0;
-/// And by rounding up to here.
-const CUT_LIGHT: f64 = 1.01;
 /// Most materials that remarks name.
 const MOST_REMARKS: usize = 8;
 
@@ -26,9 +23,12 @@ pub(super) struct Library {
     pub(super) materials: HashMap<String, Material>,
     /// The pictures of materials, by name, and how they lie.
     pub(super) pictures: HashMap<String, MapOptions>,
+    /// The materials that a picture of their own makes half transparent (`map_d`).
+    pub(super) seen_through: HashSet<String>,
     pub(super) repairs: Repairs,
     /// What a person should know of materials.
     pub(super) remarks: Vec<String>,
+    pub(super) mends: Mends,
 }
 
 /// What a material says while it is read.
@@ -39,8 +39,11 @@ struct Said {
     others: [Option<MapOptions>; 2],
     /// `Ke`, in linear light.
     emitted: [f32; 3],
-    /// The largest of `Kd`.
-    most: f64,
+    /// How `Kd` is taken.
+    taken: Option<Brightness>,
+    /// `map_Kd`, and whether there is a `map_d`.
+    picture: Option<MapOptions>,
+    is_seen_through: bool,
 }
 
 /// What `map_Kd` says.
@@ -53,6 +56,8 @@ pub(super) struct MapOptions {
     pub(super) scale: [f64; 2],
     pub(super) offset: [f64; 2],
     pub(super) clamps: bool,
+    /// Whether the picture is to be changed in ways that are not drawn.
+    is_changed: bool,
 }
 
 impl MapOptions {
@@ -64,7 +69,9 @@ impl MapOptions {
             scale: [1.0; 2],
             offset: [0.0; 2],
             clamps: false,
+            is_changed: false,
         };
+        let mut as_it_is = words.clone();
         let mut rest = words.rest();
         while let Some((name, behind)) = rest.split_once(' ').filter(|(it, _)| it.starts_with('-'))
         {
@@ -93,11 +100,24 @@ impl MapOptions {
                 *along = number(at).unwrap_or(*along);
             }
             options.clamps |= name == "-clamp" && values.first() == Some(&"on");
+            let usual = match name {
+                "-mm" => &[0.0, 1.0][..],
+                "-t" => &[0.0, 0.0, 0.0],
+                _ => &[],
+            };
+            let mut told = usual.iter().enumerate();
+            options.is_changed |=
+                told.any(|(at, usual)| number(at).is_some_and(|it: f64| it != *usual));
+            (0..=values.len()).for_each(|_| _ = as_it_is.next());
             rest = behind
                 .split(' ')
                 .skip(values.len())
                 .collect::<Vec<_>>()
                 .join(" ");
+        }
+        let as_it_is = as_it_is.rest_as_it_is();
+        if as_it_is != rest {
+            options.others.push(as_it_is.to_owned());
         }
         options.file = rest;
         options
@@ -148,11 +168,14 @@ impl Library {
                     match &*keyword {
                         "map_ka" => said.others[0] = Some(options),
                         "map_ke" => said.others[1] = Some(options),
-                        _ => {
-                            self.pictures.insert(said.material.name.clone(), options);
-                        }
+                        _ => said.picture = Some(options),
                     }
                 }
+                said.is_seen_through |= keyword == "map_d" && !words.rest().is_empty();
+                let is_spectrum = keyword == "kd" && words.peek() == "spectral";
+                let place = || format!("in line {} of {:?}", line.number, shortened(name));
+                self.mends
+                    .add(SPECTRUM_LEFT, usize::from(is_spectrum), place);
                 if read_property(said, &keyword, &mut words).is_err() {
                     broken.push(line.number);
                 }
@@ -177,16 +200,14 @@ impl Library {
                 mut material,
                 others: [ambient, light],
                 emitted,
-                most,
+                taken,
+                mut picture,
+                is_seen_through,
             } = said;
-            if most > MOST_LIGHT {
-                let what = format!("`Kd` reaches {most}: 255 counts as full light");
-                self.mend("colours_rescaled", &material, &what);
-            } else if most > CUT_LIGHT {
-                let what = format!("`Kd` reaches {most}, brighter than white: cut to 1");
-                self.mend("colours_cut", &material, &what);
+            if let Some((repair, what)) = taken.and_then(|it| it.told("`Kd`")) {
+                self.mend(repair, &material, &what);
             }
-            let has_picture = self.pictures.contains_key(&material.name);
+            let has_picture = picture.is_some();
             let is_black = material.colour[..3].iter().all(|it| *it < DARKEST);
             let is_light = emitted.iter().any(|it| *it > DARKEST);
             let other = match (has_picture, is_black && is_light) {
@@ -199,42 +220,91 @@ impl Library {
                 let what = "black but for its light (`Ke`), whose colour is shown";
                 self.mend("lights_shown_as_colours", &material, what);
             }
-            if let Some((picture, keyword)) = other {
+            if let Some((other, keyword)) = other {
                 let what = format!("its picture is that of `{keyword}`, as `map_Kd` is missing");
                 self.mend("pictures_of_other_kinds", &material, &what);
-                self.pictures.insert(material.name.clone(), picture);
+                picture = Some(other);
             }
             // Exporters write no light where a picture has it all.
             let is_black = material.colour[..3].iter().all(|it| *it < DARKEST);
-            if is_black && self.pictures.contains_key(&material.name) {
+            if is_black && picture.is_some() {
                 material.colour[..3].fill(1.0);
                 count(&mut self.repairs, "black_under_textures", 1);
+            }
+            let place = || format!("is {:?}", shortened(&material.name));
+            let is_changed = picture.as_ref().is_some_and(|it| it.is_changed);
+            self.mends
+                .add(MAP_OPTION_LEFT, usize::from(is_changed), place);
+            let before = self.materials.get(&material.name);
+            let is_other = before.is_some_and(|it| *it != material)
+                || before.is_some() && self.pictures.get(&material.name) != picture.as_ref();
+            self.mends.add(MATERIAL_TWICE, usize::from(is_other), place);
+            match picture {
+                Some(picture) => _ = self.pictures.insert(material.name.clone(), picture),
+                None => _ = self.pictures.remove(&material.name),
+            }
+            match is_seen_through {
+                true => _ = self.seen_through.insert(material.name.clone()),
+                false => _ = self.seen_through.remove(&material.name),
             }
             self.materials.insert(material.name.clone(), material);
         }
     }
 }
 
+/// Whether bytes are a text: no packed file, picture or other.
+pub(super) fn is_text(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(1024)];
+    !head.contains(&0)
+}
+
+/// What is alike in names that differ in capitals, blanks or what stands for these.
+pub(super) fn alike(name: &str) -> String {
+    let signs = name.chars().map(|it| if it == '_' { ' ' } else { it });
+    let plain: String = signs.flat_map(char::to_lowercase).collect();
+    plain.split_ascii_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Linear light of sRGB from CIE XYZ, whose white is that of the day (IEC 61966-2-1).
+fn light_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [
+        3.2406 * x - 1.5372 * y - 0.4986 * z,
+        -0.9689 * x + 1.8758 * y + 0.0415 * z,
+        0.0557 * x - 0.2040 * y + 1.0570 * z,
+    ]
+}
+
 fn read_property(said: &mut Said, keyword: &str, words: &mut Words<'_>) -> Result<(), Fault> {
     words.leave_out_comment();
     let material = &mut said.material;
     match keyword {
-        "kd" | "ke"
-            if !["spectral", "xyz"]
-                .iter()
-                .any(|way| words.rest().starts_with(way)) =>
-        {
+        "kd" | "ke" if words.peek() == "spectral" => {
+            words.next();
+            words.next();
+            let light = words.number_if_any("a factor")?.unwrap_or(1.0);
+            if keyword == "kd" {
+                material.colour[..3].fill(light.clamp(0.0, 1.0) as f32);
+            }
+        }
+        "kd" | "ke" => {
+            let is_xyz = words.peek() == "xyz";
+            if is_xyz {
+                words.next();
+            }
             let red = words.number("a colour")?;
             let green = words.number_if_any("a colour")?.unwrap_or(red);
             let blue = words.number_if_any("a colour")?.unwrap_or(red);
-            let most = red.max(green).max(blue);
-            let full = if most > MOST_LIGHT { 255.0 } else { 1.0 };
-            let light = [red, green, blue].map(|it| linear_from_encoded(it / full));
+            let parts = [red, green, blue];
+            let taken = Brightness::of(parts, 1.0);
+            let light = match is_xyz {
+                true => light_from_xyz(parts).map(|it| it.clamp(0.0, 1.0) as f32),
+                false => parts.map(|it| linear_from_encoded(it / taken.full())),
+            };
             if keyword == "ke" {
                 said.emitted = light;
             } else {
                 material.colour[..3].copy_from_slice(&light);
-                said.most = most;
+                said.taken = Some(taken).filter(|_| !is_xyz);
             }
         }
         "d" if !words.rest().starts_with('-') => {

@@ -5,6 +5,7 @@
 //! are a cloud of points.
 
 mod colours;
+mod corners;
 mod header;
 mod numbers;
 
@@ -18,15 +19,20 @@ use super::sound::count;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
 use colours::{ColourColumns, PlyColours, Told, colour_triangles};
+use corners::Corners;
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
 
 /// Reads a PLY file into one object called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut header = PlyHeader::parse(bytes)?;
-    let mut reader = Reader::of(&header, bytes)?;
+    let mut reader = Reader::of(&header, bytes, 0)?;
     if let Some(other) = reader.other_count(&mut header, bytes)? {
         reader = other;
+    } else if reader.counts_from_one() {
+        reader = Reader::of(&header, bytes, 1)?;
+        let place = || "vertex is 1".to_owned();
+        reader.mends.add(mends::FROM_ONE, 1, place);
     }
     let polygons = std::mem::take(&mut reader.polygons);
     polygons.fill(&mut reader.mesh, &mut reader.mends);
@@ -77,7 +83,12 @@ struct Reader {
     colours: Option<PlyColours>,
     /// Those of triangles.
     face_colours: Option<PlyColours>,
+    /// Colours of materials that faces name.
+    palette: Option<PlyColours>,
     polygons: Polygons,
+    /// The number of the first vertex, and the least and most that faces name.
+    first: u32,
+    named: Option<[u32; 2]>,
     /// The corners of the face that is being read.
     outline: Vec<u32>,
     /// Colours of the points of a cloud, as codes of sixteen bits.
@@ -103,12 +114,15 @@ fn slot(name: &str) -> Option<usize> {
 const SLOTS: usize = 6;
 
 impl Reader {
-    /// All elements that a header lists.
-    fn of(header: &PlyHeader, bytes: &[u8]) -> Result<Self, Fault> {
+    /// All elements that a header tells of.
+    ///
+    /// Faces give the first vertex this number.
+    fn of(header: &PlyHeader, bytes: &[u8], first: u32) -> Result<Self, Fault> {
         let mut numbers = Numbers::of(header, bytes);
         let faces = header.elements.iter().filter(|it| is_face(it));
         let mut reader = Self {
             is_cloud: faces.map(|it| it.count).sum::<u64>() == 0,
+            first,
             ..Self::default()
         };
         for element in &header.elements {
@@ -116,6 +130,7 @@ impl Reader {
             match element.name.as_str() {
                 "vertex" => reader.read_vertices(element, &mut numbers)?,
                 _ if is_face(element) => reader.read_faces(element, &mut numbers),
+                "material" => reader.read_materials(element, &mut numbers),
                 _ => reader.skip(element, &mut numbers),
             }
             numbers.end();
@@ -144,7 +159,7 @@ impl Reader {
             return Ok(None);
         };
         header.elements[at].count = found;
-        let mut other = Self::of(header, bytes)?;
+        let mut other = Self::of(header, bytes, 0)?;
         let kinds = [
             mends::ROW_MISSING,
             mends::ROW_LEFT,
@@ -168,6 +183,13 @@ impl Reader {
         let times = usize::try_from(found.abs_diff(said)).unwrap_or(usize::MAX);
         other.mends.add(mend, times, place);
         Ok(Some(other))
+    }
+
+    /// Whether faces name the number of all vertices, and never 0.
+    fn counts_from_one(&self) -> bool {
+        let vertices = self.mesh.positions.len();
+        self.named
+            .is_some_and(|[least, most]| least > 0 && most as usize == vertices)
     }
 
     /// Counts the rows of an element from this one on as missing.
@@ -209,6 +231,40 @@ impl Reader {
                 return self.lose(element, index, numbers);
             }
         }
+    }
+
+    /// Reads the colours of materials.
+    fn read_materials(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
+        let columns = ColourColumns::of(element).filter(ColourColumns::is_parts);
+        let Some(columns) = columns.filter(|_| self.palette.is_none()) else {
+            let times = usize::try_from(element.count).unwrap_or(usize::MAX);
+            let place = || "is that of the header".to_owned();
+            self.mends.add(mends::PLY_MATERIALS, times, place);
+            return self.skip(element, numbers);
+        };
+        let mut palette = PlyColours::new(&columns);
+        for index in 0..element.count {
+            numbers.begin_row();
+            let mut colour = [-1.0; 4];
+            for (at, property) in element.properties.iter().enumerate() {
+                let read = match (columns.part(at), property) {
+                    (Some(part), Property::One { scalar, .. }) => {
+                        numbers.number(*scalar).map(|value| colour[part] = value)
+                    }
+                    _ => numbers.skip(property),
+                };
+                if read.is_none() {
+                    self.lose(element, index, numbers);
+                    self.palette = Some(palette);
+                    return;
+                }
+            }
+            if !palette.add(colour) {
+                let place = || format!("of material {index}");
+                self.mends.add(mends::COLOUR_MADE, 1, place);
+            }
+        }
+        self.palette = Some(palette);
     }
 
     fn read_vertices(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Fault> {
@@ -290,7 +346,17 @@ impl Reader {
             None => {}
         }
         let faces = std::mem::take(&mut self.mesh.materials);
-        if let Some(colours) = self.face_colours.take().filter(|_| !are_points) {
+        let palette = self.palette.take();
+        let names = !faces.is_empty() && self.face_colours.is_none();
+        if palette.is_some() != names {
+            let place = || "is one that no face names, or that is not there".to_owned();
+            self.mends.add(mends::PLY_MATERIALS, 1, place);
+        }
+        let colours = self
+            .face_colours
+            .take()
+            .or(palette.filter(|_| !faces.is_empty()));
+        if let Some(colours) = colours.filter(|_| !are_points) {
             told.what = format!("faces of {name:?}");
             match self.mesh.colours.is_empty() {
                 true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut told)),
@@ -299,6 +365,13 @@ impl Reader {
                     told.remarks.push(remark.to_owned());
                 }
             }
+        }
+        let lost = self.mesh.colours.iter().filter(|it| it[3] < 1.0).count();
+        if lost > 0 {
+            count(&mut told.repairs, "drawn_opaque", lost);
+            let remark =
+                format!("what is half transparent is drawn opaque: {lost} vertices of {name:?}");
+            told.remarks.push(remark);
         }
         for (name, times) in told.repairs {
             count(&mut self.repairs, &name, times as usize);
@@ -327,14 +400,21 @@ impl Reader {
         let before = self.face_colours.take();
         let mut colours = before.or_else(|| columns.as_ref().map(PlyColours::new));
         let mut colour = [-1.0; 4];
-        let corners_at = element.properties.iter().position(is_corners);
+        let corners = Corners::of(element);
+        let place = || format!("is {:?}", shortened(&corners.name));
+        let is_other = usize::from(corners.is_of_another_name);
+        self.mends.add(mends::CORNERS_NAMED, is_other, place);
+        let material_at = corners.material.filter(|_| colours.is_none());
+        let mut material = 0.0;
         if element.properties.is_empty() {
             return;
         }
-        let mut corners = Vec::new();
+        let corners_at = corners.at;
+        let scalars = corners.scalars;
+        let mut row = Vec::new();
         'rows: for index in 0..element.count {
             numbers.begin_row();
-            corners.clear();
+            row.clear();
             for (at, property) in element.properties.iter().enumerate() {
                 let read = match property {
                     Property::One { scalar, .. } => {
@@ -343,6 +423,10 @@ impl Reader {
                         value.map(|value| {
                             if let Some(part) = part {
                                 colour[part] = value;
+                            } else if Some(at) == material_at {
+                                material = value;
+                            } else if scalars.contains(&at) {
+                                row.push(value);
                             }
                         })
                     }
@@ -350,7 +434,7 @@ impl Reader {
                         let length = numbers.length(*length, *scalar);
                         length.and_then(|length| {
                             let mut all = (0..length).map(|_| numbers.number(*scalar));
-                            all.try_for_each(|corner| corner.map(|it| corners.push(it)))
+                            all.try_for_each(|corner| corner.map(|it| row.push(it)))
                         })
                     }
                     _ => numbers.skip(property),
@@ -360,20 +444,21 @@ impl Reader {
                     break 'rows;
                 }
             }
-            match (corners_at.is_some(), is_strip) {
+            match (corners_at.is_some() || !scalars.is_empty(), is_strip) {
                 (false, _) => {}
-                (_, true) => self.add_strips(&corners),
-                (_, false) => self.add_face(&corners),
+                (_, true) => self.add_strips(&row),
+                (_, false) => self.add_face(&row),
             }
+            let triangles = self.mesh.triangles.len();
+            // Triangles know their face, or what it names, by their material until all are cut.
             if let Some(colours) = &mut colours {
-                if !colours.add(colour) {
-                    let place = || format!("of face {index}");
-                    self.mends.add(mends::COLOUR_MADE, 1, place);
-                }
-                // Triangles know their face by their material until all are cut.
+                let is_none = usize::from(!colours.add(colour));
+                self.mends
+                    .add(mends::COLOUR_MADE, is_none, || format!("of face {index}"));
                 let face = colours.len() as u32 - 1;
-                let triangles = self.mesh.triangles.len();
                 self.mesh.materials.resize(triangles, face);
+            } else if material_at.is_some() {
+                self.mesh.materials.resize(triangles, vertex(material));
             }
         }
         self.face_colours = colours;
@@ -385,15 +470,26 @@ impl Reader {
             return;
         }
         self.outline.clear();
-        self.outline.extend(corners.iter().copied().map(vertex));
+        for corner in corners {
+            let corner = self.corner(*corner);
+            self.outline.push(corner);
+        }
         self.polygons.add(&mut self.mesh.triangles, &self.outline);
+    }
+
+    /// The number from 0 of the vertex that a face names, or one that none has.
+    fn corner(&mut self, said: f64) -> u32 {
+        let number = vertex(said);
+        let [least, most] = self.named.unwrap_or([number; 2]);
+        self.named = Some([least.min(number), most.max(number)]);
+        number.checked_sub(self.first).unwrap_or(u32::MAX)
     }
 
     /// Strips of triangles with -1 between them; every second triangle is turned.
     fn add_strips(&mut self, corners: &[f64]) {
         for strip in corners.split(|corner| *corner == -1.0) {
             for (index, triangle) in strip.windows(3).enumerate() {
-                let mut three = [0, 1, 2].map(|k| vertex(triangle[k]));
+                let mut three = [0, 1, 2].map(|k| self.corner(triangle[k]));
                 if index % 2 == 1 {
                     three.swap(1, 2);
                 }
@@ -401,17 +497,6 @@ impl Reader {
             }
         }
     }
-}
-
-/// Whether a property names the corners of a face; also one that only other programs call so.
-fn is_corners(property: &Property) -> bool {
-    let Property::List { name, .. } = property else {
-        return false;
-    };
-    matches!(
-        name.as_str(),
-        "vertex_indices" | "vertex_index" | "vertex_indexes" | "vertices"
-    )
 }
 
 /// The number of a vertex, or one that none has.

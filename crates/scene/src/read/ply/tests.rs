@@ -373,3 +373,74 @@ fn colours_that_are_no_numbers_are_white_and_compressed_splats_are_refused() {
     let packed = text("element vertex 1\nproperty uint packed_position", "7\n");
     assert!(refusal(&packed).contains("splats are compressed"));
 }
+
+/// A square of text whose faces have these properties and rows.
+fn faces(properties: &str, rows: &str) -> SourceScene {
+    let count = rows.lines().count();
+    let text = format!(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+         property float z\nelement face {count}\n{properties}end_header\n0 0 0\n1 0 0\n1 1 0\n\
+         0 1 0\n{rows}"
+    );
+    assert!(read_anything(SceneFormat::Ply, text.as_bytes()), "{text}");
+    read(text.as_bytes(), "a").unwrap()
+}
+
+#[test]
+fn corners_of_faces_are_found_under_other_names() {
+    let lists = "property list uchar int indices\n";
+    let numbers = "property int v1\nproperty int v2\nproperty int v3\n";
+    let letters = "property uchar flags\nproperty uint a\nproperty uint b\nproperty uint c\n";
+    for (properties, rows) in [
+        (lists, "3 0 1 2\n3 0 2 3\n"),
+        (numbers, "0 1 2\n0 2 3\n"),
+        (letters, "9 0 1 2\n9 0 2 3\n"),
+    ] {
+        let scene = faces(properties, rows);
+        let triangles = &scene.meshes[0].triangles;
+        assert_eq!(*triangles, [[0, 1, 2], [0, 2, 3]], "{properties}");
+        assert_eq!(scene.repairs["corners_of_another_name"], 1);
+        assert_eq!(scene.remarks.len(), 1);
+    }
+}
+
+#[test]
+fn faces_that_count_from_1_are_read_so() {
+    let list = "property list uchar int vertex_indices\n";
+    let scene = faces(list, "3 1 2 3\n3 1 3 4\n");
+    assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(scene.repairs["faces_from_one"], 1);
+    // One that names vertex 0 has a fault elsewhere.
+    let scene = faces(list, "3 0 1 2\n3 1 3 4\n");
+    assert!(!scene.repairs.contains_key("faces_from_one"));
+}
+
+#[test]
+fn faces_have_the_colours_of_materials_that_they_name() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+        property float z\nelement face 2\nproperty list uchar int vertex_indices\n\
+        property int material_index\nelement material 2\nproperty uchar ambient_red\n\
+        property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n\
+        end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 0\n3 0 2 3 1\n9 255 0 0\n9 0 0 255\n";
+    let scene = read(text.as_bytes(), "a").unwrap();
+    let mesh = &scene.meshes[0];
+    let colour = |triangle: usize| mesh.colours[mesh.triangles[triangle][0] as usize];
+    assert_eq!(colour(0), [1.0, 0.0, 0.0, 1.0]);
+    assert_eq!(colour(1), [0.0, 0.0, 1.0, 1.0]);
+    assert!(scene.repairs.is_empty() && scene.remarks.is_empty());
+    let bare = text
+        .replace("property int material_index\n", "")
+        .replace("2 0\n3", "2\n3");
+    let scene = read(bare.replace("3 1\n9", "3\n9").as_bytes(), "a").unwrap();
+    assert_eq!(scene.meshes[0].triangles.len(), 2);
+    assert_eq!(scene.repairs["materials_left_out"], 1);
+}
+
+#[test]
+fn colours_that_cloudcompare_keeps_as_numbers_are_shown() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n\
+        property float z\nproperty float scalar_Red\nproperty float scalar_Green\n\
+        property float scalar_Blue\nend_header\n0 0 0 255 0 0\n1 0 0 0 0 255\n";
+    let scene = read(text.as_bytes(), "a").unwrap();
+    assert_eq!(scene.clouds[0].colours, [[65_535, 0, 0], [0, 0, 65_535]]);
+}

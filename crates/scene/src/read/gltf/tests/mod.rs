@@ -1,6 +1,7 @@
 //! What of glTF is read, and what is refused?
 
 mod clouds;
+mod lenient;
 mod made;
 mod meshes;
 mod packed;

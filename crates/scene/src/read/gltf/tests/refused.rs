@@ -51,8 +51,6 @@ fn of_counts_and_views_beyond_the_buffer_what_exists_is_read() {
     });
     let said = refused(|json| json["accessors"][0]["byteOffset"] = json!(u64::MAX));
     assert_says(&said, "accessor 0: 4 elements");
-    let said = refused(|json| json["bufferViews"][0]["byteStride"] = json!(4));
-    assert_says(&said, "its stride is 4");
 }
 
 #[test]
@@ -133,8 +131,8 @@ fn numbers_of_what_is_not_there_cost_what_needs_it() {
 
 #[test]
 fn corners_of_odd_kinds_are_refused() {
-    let said = refused(|json| json["accessors"][0]["componentType"] = json!(5130));
-    assert_says(&said, "its component type is 5130");
+    let said = refused(|json| json["accessors"][0]["componentType"] = json!(5140));
+    assert_says(&said, "its component type is 5140");
     let said = refused(|json| json["accessors"][0]["type"] = json!("VEC2"));
     assert_says(&said, "its type is VEC2");
     let said = refused(|json| json["accessors"][1]["normalized"] = json!(true));
@@ -188,7 +186,7 @@ fn other_versions_and_wrong_json_are_refused() {
     let said = refused(|json| json["nodes"] = json!({"0": {}}));
     assert_says(&said, "JSON, line 1 column");
     let said = refused(|json| json["accessors"][0]["count"] = json!(-1));
-    assert_says(&said, "JSON, line 1 column");
+    assert_says(&said, "accessor 0: ");
     assert_says(&refusal(b"{"), "JSON, line 1 column");
     let said = refused(|json| json["nodes"] = json!(vec![json!({}); 200_000]));
     assert_says(&said, "JSON: 200");

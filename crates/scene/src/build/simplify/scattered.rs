@@ -1,0 +1,245 @@
+//! What stands for many small parts that lie apart, with half as many of them?
+//!
+//! Collapsing edges lets such parts vanish one by one, and with them what they cover: thousands of
+//! leaves, bolts or stones that are each too small to be seen are seen together. So of two parts
+//! that lie next to each other the larger one stays, and where those that are gone were as large
+//! as all that stay, these become as large as both.
+
+use crate::build::clusters::Part;
+use crate::build::mesh::GridMesh;
+use crate::build::numbering::Numbering;
+use foveal_core::content::mesh::payload::MeshVertex;
+use glam::DVec3;
+
+/// So many parts are many.
+const MANY: usize = 8;
+/// So much larger than what is drawn may be what it stands for.
+const MOST_OWED: f64 = 2.5;
+/// What part of the area may be lost before small parts are looked for.
+const LEAST_AREA: f64 = 0.9;
+
+/// A group of which some parts stand for others.
+pub(in crate::build) struct Thinned {
+    /// Corners of triangles by numbers of the part, which got vertices more.
+    pub corners: Vec<u32>,
+    /// The vertices that it got; the last of the part.
+    pub added: Vec<MeshVertex>,
+    /// How far a part is from the one that stands for it at most, in steps of the grid.
+    pub error: f32,
+    /// The area that it stands for, as a multiple of its own.
+    pub owed: f64,
+}
+
+/// Triangles that hang together.
+#[derive(Clone, Debug, Default)]
+struct Piece {
+    triangles: Vec<[u32; 3]>,
+    area: f64,
+    middle: DVec3,
+    is_locked: bool,
+}
+
+/// Whether triangles cover clearly less than all of a part.
+pub(in crate::build) fn has_lost_area(part: &Part, corners: &[u32]) -> bool {
+    let all = |corners: &[u32]| -> f64 {
+        let triangles = corners.as_chunks::<3>().0.iter();
+        triangles.map(|it| area_of(part, it)).sum()
+    };
+    all(corners) < LEAST_AREA * all(&part.corners)
+}
+
+/// Halves the pieces of a part that has many and stands for so many times its area, given which
+/// of its vertices stay; none of another.
+pub(in crate::build) fn thin(
+    mesh: &GridMesh,
+    part: &mut Part,
+    locks: &[bool],
+    owed: f64,
+) -> Option<Thinned> {
+    let pieces = pieces(mesh, part, locks);
+    let free = pieces.iter().filter(|it| !it.is_locked);
+    let (free, before) = free.fold((0, 0.0), |(count, area), it| (count + 1, area + it.area));
+    if free < MANY {
+        return None;
+    }
+    let (mut staying, mut after, mut error) = (Vec::new(), 0.0, 0.0_f64);
+    for (piece, other) in pairs(&pieces) {
+        if !piece.is_locked {
+            after += piece.area;
+        }
+        let apart = other.map_or(0.0, |it| it.middle.distance(piece.middle));
+        error = error.max(apart);
+        staying.push(piece);
+    }
+    let mut thinned = Thinned {
+        corners: Vec::new(),
+        added: Vec::new(),
+        error: error as f32,
+        owed: owed * before / f64::max(after, f64::MIN_POSITIVE),
+    };
+    let grows = thinned.owed > MOST_OWED;
+    let scale = thinned.owed.min(2.0 * MOST_OWED).sqrt();
+    for piece in staying {
+        match grows && !piece.is_locked {
+            true => thinned.add(mesh, part, piece, scale),
+            false => thinned.corners.extend(piece.triangles.as_flattened()),
+        }
+    }
+    if grows {
+        thinned.owed = 1.0;
+    }
+    Some(thinned)
+}
+
+impl Thinned {
+    /// Adds a piece as large as that, with vertices of its own.
+    fn add(&mut self, mesh: &GridMesh, part: &mut Part, piece: &Piece, scale: f64) {
+        let corners = piece.triangles.as_flattened();
+        let mut numbering = Numbering::new(corners.len());
+        let of_mesh = |it: &u32| part.vertices[*it as usize];
+        let numbers = corners.iter().map(|it| numbering.number(of_mesh(it)));
+        let numbers: Vec<u32> = numbers.collect();
+        let most = f64::from((1_u32 << mesh.object.grid.bits) - 1);
+        let (centre, reach) = mesh.sphere_on_grid();
+        let first = part.vertices.len() as u32;
+        let next = mesh.vertices.len() as u32 + self.added.len() as u32;
+        let of_mesh = |it: &u32| &mesh.vertices[*it as usize];
+        let at = |it: &u32| {
+            let from = DVec3::from_array(of_mesh(it).place.map(f64::from));
+            let at = piece.middle + scale * (from - piece.middle);
+            // What is round the mesh stays.
+            centre + (at - centre).clamp_length_max(reach)
+        };
+        let places: Vec<DVec3> = numbering.vertices.iter().map(at).collect();
+        let low = places.iter().fold(DVec3::INFINITY, |low, it| low.min(*it));
+        let high = places.iter().fold(DVec3::ZERO, |high, it| high.max(*it));
+        // And on the grid.
+        let shift = (-low).max(DVec3::ZERO) - (high - most).max(DVec3::ZERO);
+        let vertices = numbering.vertices.iter().zip(&places);
+        let enlarged = vertices.map(|(vertex, at)| MeshVertex {
+            place: (*at + shift)
+                .round()
+                .to_array()
+                .map(|it| it.clamp(0.0, most) as u16),
+            ..*of_mesh(vertex)
+        });
+        let enlarged: Vec<MeshVertex> = enlarged.collect();
+        for triangle in numbers.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(|it| enlarged[it as usize].place);
+            // At the edge of the grid places may become one.
+            if a != b && b != c && c != a {
+                self.corners.extend(triangle.map(|it| first + it));
+            }
+        }
+        part.vertices.extend(next..next + enlarged.len() as u32);
+        let places = enlarged.iter().map(|it| it.place.map(f32::from));
+        part.positions.extend(places);
+        self.added.extend(enlarged);
+    }
+}
+
+/// The pieces that stay, each with the one that it stands for: of two free ones that are nearest to
+/// each other the larger.
+fn pairs(pieces: &[Piece]) -> Vec<(&Piece, Option<&Piece>)> {
+    let mut is_taken: Vec<bool> = pieces.iter().map(|it| it.is_locked).collect();
+    let locked = pieces.iter().filter(|it| it.is_locked);
+    let mut pairs: Vec<_> = locked.map(|it| (it, None)).collect();
+    for (number, piece) in pieces.iter().enumerate() {
+        if std::mem::replace(&mut is_taken[number], true) {
+            continue;
+        }
+        let left = (number + 1..pieces.len()).filter(|it| !is_taken[*it]);
+        let away = |it: &usize| piece.middle.distance_squared(pieces[*it].middle);
+        let nearest = left.min_by(|one, other| away(one).total_cmp(&away(other)));
+        let Some(nearest) = nearest else {
+            pairs.push((piece, None));
+            continue;
+        };
+        is_taken[nearest] = true;
+        let other = &pieces[nearest];
+        pairs.push(match other.area > piece.area {
+            true => (other, Some(piece)),
+            false => (piece, Some(other)),
+        });
+    }
+    pairs
+}
+
+/// What of a part hangs together by places.
+fn pieces(mesh: &GridMesh, part: &Part, locks: &[bool]) -> Vec<Piece> {
+    let mut numbering = Numbering::new(part.vertices.len());
+    let place = |vertex: &u32| numbering.number(mesh.same_place[*vertex as usize]);
+    let places: Vec<u32> = part.vertices.iter().map(place).collect();
+    // Each place knows one nearer to the first of its piece.
+    let mut nearer: Vec<u32> = (0..numbering.vertices.len() as u32).collect();
+    fn root(nearer: &mut [u32], mut at: u32) -> u32 {
+        while nearer[at as usize] != at {
+            let next = nearer[nearer[at as usize] as usize];
+            nearer[at as usize] = next;
+            at = next;
+        }
+        at
+    }
+    let triangles = part.corners.as_chunks::<3>().0;
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|it| root(&mut nearer, places[it as usize]));
+        let least = a.min(b).min(c);
+        for it in [a, b, c] {
+            nearer[it as usize] = least;
+        }
+    }
+    let mut number_of = vec![u32::MAX; nearer.len()];
+    let mut pieces: Vec<Piece> = Vec::new();
+    for triangle in triangles {
+        let first = root(&mut nearer, places[triangle[0] as usize]) as usize;
+        if number_of[first] == u32::MAX {
+            number_of[first] = pieces.len() as u32;
+            pieces.push(Piece::default());
+        }
+        let piece = &mut pieces[number_of[first] as usize];
+        piece.triangles.push(*triangle);
+        piece.area += area_of(part, triangle);
+        let corners = triangle.map(|it| position(part, it));
+        piece.middle += corners.into_iter().sum::<DVec3>() / 3.0;
+        piece.is_locked |= triangle.iter().any(|it| locks[*it as usize]);
+    }
+    for piece in &mut pieces {
+        piece.middle /= piece.triangles.len() as f64;
+    }
+    pieces
+}
+
+fn area_of(part: &Part, triangle: &[u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|it| position(part, it));
+    (b - a).cross(c - a).length() / 2.0
+}
+
+fn position(part: &Part, vertex: u32) -> DVec3 {
+    DVec3::from_array(part.positions[vertex as usize].map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_neighbours_the_larger_stays_and_locked_ones_stay_as_they_are() {
+        let piece = |x: f64, area: f64, is_locked: bool| Piece {
+            middle: DVec3::X * x,
+            area,
+            is_locked,
+            ..Piece::default()
+        };
+        let pieces = [
+            piece(0.0, 1.0, false),
+            piece(10.0, 1.0, false),
+            piece(1.0, 2.0, false),
+            piece(0.5, 9.0, true),
+        ];
+        let told: Vec<_> = pairs(&pieces)
+            .into_iter()
+            .map(|(it, other)| (it.middle.x, other.map(|it| it.middle.x)))
+            .collect();
+        assert_eq!(told, [(0.5, None), (1.0, Some(0.0)), (10.0, None)]);
+    }
+}
