@@ -307,6 +307,7 @@ impl PolicyOptions {
             target: self.target(policy)?,
             bound: None,
             together: false,
+            border: policy == Policy::Perceptual,
         })
     }
 
