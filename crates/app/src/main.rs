@@ -133,7 +133,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// A file in place of a command gets the command that was meant.
+/// Suggests a command when a file was given in place of one.
 fn with_hint(mut error: clap::Error) -> clap::Error {
     use clap::error::{ContextKind, ContextValue};
     let command = &report::called::called().command;
@@ -149,7 +149,7 @@ fn with_hint(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// What is given as `-3` is a number that may be out of range, not an option nobody knows.
+/// `-3` is a number, perhaps out of range, and not an unknown option.
 fn with_negative_numbers(command: clap::Command) -> clap::Command {
     let takes_values = |arg: &clap::Arg| arg.get_action().takes_values();
     command

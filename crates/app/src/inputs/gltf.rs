@@ -32,26 +32,26 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "`repairs.json_mended`, with a remark",
         },
         Finding {
-            found: "members twice; lists that are too short (`baseColorFactor`, `scale`, \
+            found: "members given twice; lists that are too short (`baseColorFactor`, `scale`, \
                     `rotation`, `translation`); `[]` for `{}`; names in small letters, \
                     `TEXCOORD` without a number; kinds by name (`FLOAT`)",
             outcome: Mended,
-            told: "the last; filled up; as meant: `repairs.json_mended`, with a remark. What \
-                   cannot be read is left out by itself",
+            told: "the last counts; filled up; as meant: `repairs.json_mended`, with a remark. \
+                   What cannot be read is left out by itself",
         },
         Finding {
             found: "numbers of 64 or 16 bits, signed indices; a stride that is too small; a \
-                    buffer view without length",
+                    buffer view without a length",
             outcome: Mended,
-            told: "as OpenGL has them, `repairs.components_of_another_kind`, \
-                   `indices_of_another_kind`; close together, `strides_mended`; up to the end of \
+            told: "as in OpenGL, `repairs.components_of_another_kind`, \
+                   `indices_of_another_kind`; packed tightly, `strides_mended`; up to the end of \
                    the buffer, `views_without_length`",
         },
         Finding {
-            found: "factors of colours up to 255; colours of vertices that are codes of eight \
-                    bits in sixteen",
+            found: "colour factors up to 255; colours of vertices that are eight-bit codes \
+                    in sixteen bits",
             outcome: Mended,
-            told: "the largest code is taken for all light, `repairs.colours_rescaled`",
+            told: "the largest code counts as full light, `repairs.colours_rescaled`",
         },
         Finding {
             found: "a texture on a part without its texture coordinates",
@@ -66,7 +66,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "`CESIUM_RTC`",
             outcome: Remarked,
-            told: "all stands at its centre",
+            told: "everything is placed at its centre",
         },
         Finding {
             found: "a buffer or picture named as on another machine (`C:\\..`, `../`, other \

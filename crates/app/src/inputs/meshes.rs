@@ -87,14 +87,14 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "as it is meant, `faces_with_odd_signs`",
             },
             Finding {
-                found: "`usemtl` in other capitals or blanks than `newmtl`; two different \
+                found: "`usemtl` that differs from `newmtl` in capitals or blanks; two different \
                         materials of one name",
                 outcome: Mended,
                 told: "that material, `materials_found_by_case`; the last, \
                        `materials_defined_twice`",
             },
             Finding {
-                found: "a material that does not exist; a library that is no text",
+                found: "a material that does not exist; a library that is not text",
                 outcome: Mended,
                 told: "white, `materials_not_found`, `material_files_missing`",
             },
@@ -185,7 +185,8 @@ const PLY: &[Finding] = &[
         told: "the largest code counts as full light, `colours_rescaled`",
     },
     Finding {
-        found: "corners of faces called otherwise (`indices`; `v1`, `v2`, `v3`), or counted from 1",
+        found: "corners of faces under other names (`indices`; `v1`, `v2`, `v3`), or counted from \
+                1",
         outcome: Mended,
         told: "as meant, `corners_of_another_name`, `faces_from_one`",
     },

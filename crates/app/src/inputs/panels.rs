@@ -42,21 +42,21 @@ pub(super) const FORMATS: &[Format] = &[
                 "as it was meant",
             ),
             found(
-                "a mark of UTF-8, empty lines before the declaration, an `&` that begins no \
-                 entity, control characters, Latin-1 that says UTF-8",
+                "a UTF-8 byte order mark, empty lines before the declaration, an `&` that begins \
+                 no entity, control characters, Latin-1 that claims to be UTF-8",
                 Remarked,
                 "as it was meant",
             ),
             found(
-                "files of a region that is called so in other letters or with blanks",
+                "files of a region whose name differs in case or blanks",
                 Remarked,
-                "taken for it; files of a region that there is not are left out, and a region \
+                "used for it; files of a region that does not exist are left out, and a region \
                  without files is named",
             ),
             found(
                 "resolutions of 0",
                 Remarked,
-                "as if they were not told: a region is then a display of its own",
+                "treated as missing: a region is then a display of its own",
             ),
             found(
                 "the place of a region in pixels of its buffer",
@@ -84,13 +84,13 @@ pub(super) const FORMATS: &[Format] = &[
                 "a geometryWarpFile is interpolated, an alphaMap or betaMap resampled",
             ),
             found(
-                "nodes of a geometryWarpFile that are no number, -1 all three, or 0 all three more \
-                 than once",
+                "nodes of a geometryWarpFile that are not numbers; -1 in all three; 0 in all \
+                 three, more than once",
                 Read,
                 "unlit",
             ),
             found(
-                "bytes behind a geometryWarpFile; its places in pixels of the region",
+                "bytes after a geometryWarpFile; its places in pixels of the region",
                 Remarked,
                 "left out; divided by its pixels",
             ),
@@ -128,16 +128,16 @@ pub(super) const FORMATS: &[Format] = &[
             found(
                 "shares of light of 0 to 255, 100 or 65535, or above 1",
                 Remarked,
-                "divided, or taken for 1",
+                "divided, or treated as 1",
             ),
             found(
-                "nodes that are no number; an end within a row behind two others",
+                "nodes that are not numbers; an end within a row after the first two",
                 Remarked,
                 "nothing is drawn there",
             ),
-            found("lines behind the nodes", Remarked, "not read"),
+            found("lines after the nodes", Remarked, "not read"),
             found(
-                "u and v in pixels: nothing tells of how large a picture",
+                "u and v in pixels: the size of the picture is unknown",
                 Refused,
                 "by how far they reach",
             ),

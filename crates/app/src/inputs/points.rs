@@ -53,7 +53,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "a length of records that does not fit their format",
                 outcome: Mended,
-                told: "whichever of both fits the bytes of all points, `repairs.stale_counts`",
+                told: "whichever of the two fits the bytes of all points, `repairs.stale_counts`",
             },
             Finding {
                 found: "a later minor version with known points",

@@ -33,15 +33,15 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "a film, each picture for its time, the last one too",
         },
         Finding {
-            found: "GIF, APNG or WebP that ends within a picture, or lacks pictures that it tells \
-                    of",
+            found: "GIF, APNG or WebP that ends within a picture, or lacks pictures that it \
+                    announces",
             outcome: Mended,
             told: "the pictures that are whole, `repairs.cut_short`",
         },
         Finding {
-            found: "damaged pictures between others of an animated WebP",
+            found: "damaged pictures among those of an animated WebP",
             outcome: Mended,
-            told: "what was there before stays, `repairs.damaged_frames`",
+            told: "the picture before stays, `repairs.damaged_frames`",
         },
         Finding {
             found: "broken EXIF or XMP",

@@ -50,7 +50,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "the rate is that of most frames of the index",
         },
         Finding {
-            found: "an end before the one that the container tells (MP4, Matroska, AVI, ASF, FLV, \
+            found: "an end before the one that the container gives (MP4, Matroska, AVI, ASF, FLV, \
                     MXF); within a frame (Y4M) or a packet (transport streams); an Ogg without its \
                     last page",
             outcome: Mended,
@@ -79,10 +79,11 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "replaced by the frame rate, `repairs.time_stamps`",
         },
         Finding {
-            found: "recordings put behind each other (transport and program streams), whose time \
-                    stamps begin again",
+            found: "recordings joined end to end (transport and program streams), whose time \
+                    stamps start again",
             outcome: Remarked,
-            told: "played one after the other, `repairs.joined_recordings`; `--strict` takes them",
+            told: "played one after the other, `repairs.joined_recordings`; `--strict` accepts \
+                   them",
         },
         Finding {
             found: "damaged sound",

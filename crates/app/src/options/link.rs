@@ -25,11 +25,11 @@ impl Default for Link {
 /// Bits per second of the mobile networks that Chen et al. 2022 emulate.
 const NAMED: [(&str, f64); 3] = [("3g", 2e6), ("4g", 40e6), ("5g", 67e6)];
 const UNITS: [(&str, f64); 3] = [("g", 1e9), ("m", 1e6), ("k", 1e3)];
-/// How bits a second are written behind a letter of [`UNITS`], whatever the case of letters.
+/// How bits per second are written after a letter of [`UNITS`], in any case.
 const BITS: [&str; 10] = [
     "bit", "bits", "bit/s", "bits/s", "bitps", "bps", "b/s", "bit/sec", "b", "bits/sec",
 ];
-/// How bytes a second are, as they are written: eight times as many bits.
+/// How bytes per second are written, in this case only: eight times as many bits.
 const BYTES: [&str; 3] = ["B", "B/s", "Bps"];
 
 /// Reads `RATE[,DELAY]`: `4g`, `40mbit`, `8mbit,50ms`.

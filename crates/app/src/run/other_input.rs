@@ -6,23 +6,23 @@ use foveal_media::plain_file::first_bytes;
 use foveal_scene::read::is_scene_file;
 use std::path::Path;
 
-/// What every pack begins with.
+/// The first bytes of every pack.
 const PACK: &[u8] = b"FOVEAL\r\n";
 
-/// Refuses what is a pack already.
+/// Refuses a file that is a pack already.
 pub(crate) fn refuse_pack(input: &Path) -> Result<(), WrongUsage> {
     let is_pack = first_bytes(input, PACK.len() as u64).is_ok_and(|it| it == PACK);
     let name = input.display();
     match is_pack {
         true => Err(WrongUsage(format!(
             "{name}: is a pack already; play it with `foveal view {name}`, or give the file that \
-             it was made of"
+             it was made from"
         ))),
         false => Ok(()),
     }
 }
 
-/// Why a file cannot be prepared as a video: where it is a 3D file, with what prepares it.
+/// Why a file cannot be prepared as a video; for a 3D file, with the command that prepares it.
 pub(crate) fn no_video(input: &Path, error: anyhow::Error) -> anyhow::Error {
     let name = input.display();
     match is_scene_file(input) && input.is_file() {
@@ -34,8 +34,8 @@ pub(crate) fn no_video(input: &Path, error: anyhow::Error) -> anyhow::Error {
     }
 }
 
-/// Why a file cannot be prepared as a scene: where it is a video or a picture, with what prepares
-/// it.
+/// Why a file cannot be prepared as a scene; for a video or a picture, with the command that
+/// prepares it.
 pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> anyhow::Error {
     let is_video = |input: &&Path| !is_scene_file(input) && VideoInput::open(input).is_ok();
     match inputs.iter().map(AsRef::as_ref).find(is_video) {
@@ -51,7 +51,7 @@ pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> any
     }
 }
 
-/// The command that was meant where a file stands in place of one.
+/// The command to suggest when a file was given in place of a command.
 pub(crate) fn meant_command(word: &str) -> Option<String> {
     let path = Path::new(word);
     if path.extension().is_some_and(|it| it == "foveal") {
@@ -66,7 +66,7 @@ pub(crate) fn meant_command(word: &str) -> Option<String> {
     is_file.then(|| format!("`foveal prepare {kind} {word} --out PACK` makes a pack of that file"))
 }
 
-/// Why an address that stands in place of a file cannot be opened.
+/// Why an address given in place of a file cannot be opened.
 pub(crate) fn no_address(words: &[String], error: anyhow::Error) -> anyhow::Error {
     let is_address = |word: &&String| {
         let scheme = word.split_once("://").map(|(scheme, _)| scheme);
@@ -83,8 +83,8 @@ pub(crate) fn no_address(words: &[String], error: anyhow::Error) -> anyhow::Erro
         .find(|it| is_address(it) && text.contains(it.as_str()));
     match address.filter(|_| is_missing) {
         Some(address) => anyhow::anyhow!(
-            "{address}: is an address, and only files of this machine are read; download it first, \
-             as with `curl -LO {address}`, and give the file"
+            "{address}: is an address, and only files on this machine are read; download it first, \
+             for example with `curl -LO {address}`, and give the file"
         ),
         None => error,
     }

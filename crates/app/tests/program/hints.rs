@@ -1,4 +1,4 @@
-//! Does somebody who gives the wrong words hear which are right?
+//! Does a user who gives the wrong words learn the right ones?
 
 use crate::scenes::write_clip;
 use crate::support::{Folder, foveal, json, refused};
@@ -36,7 +36,7 @@ fn a_file_that_another_command_reads_is_told_with_that_command() {
     }
     refused(2, &[&film], &["tip: ", "foveal prepare video"]);
     refused(2, &[&pack], &["tip: ", "foveal view"]);
-    // What is no file of either is told as before.
+    // A file of neither kind is refused as before.
     let text = folder.holding("a.txt", b"nothing");
     refused(
         1,

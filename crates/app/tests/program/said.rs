@@ -36,7 +36,7 @@ fn a_gaze_outside_the_picture_and_a_missed_target_are_said() {
     assert!(!ran.stderr.contains("outside"), "{ran:?}");
     let perceptual = ["--gaze", "3,2", "--policy", "perceptual", "--target", "9.5"];
     assert!(!play(&perceptual).stderr.contains("missed"));
-    // The coarsest level alone comes through.
+    // Only the coarsest level comes through.
     let judged = ["--link", "1kbit", "--score", "--frames", "2"];
     let slow = ["simulate", &pack, "--out", &out, "--renderer", "cpu"];
     let slow = foveal(&[&slow[..], &perceptual, &judged].concat());

@@ -179,8 +179,8 @@ pub struct PolicyConfig {
     /// it: as sessions without panels do.
     #[serde(default, skip_serializing_if = "is_false")]
     pub together: bool,
-    /// `perceptual` with a budget, of video: whether what lies just outside the view is worth
-    /// something as well, as it fades into the picture. Sessions of earlier versions had it not.
+    /// `perceptual` with a budget, of video: whether what lies just outside the view has a worth
+    /// too, as it fades into the picture. Sessions of earlier versions lack it.
     #[serde(default, skip_serializing_if = "is_false")]
     pub border: bool,
 }

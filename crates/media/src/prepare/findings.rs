@@ -17,7 +17,7 @@ const MOST_BYTES: usize = 900;
 const MOST_OF_ONE: usize = 400;
 /// What is done to every film of its kind, and is no damage.
 const NO_DAMAGE: [&str; 2] = ["deinterlaced_frames", "joined_recordings"];
-/// A last frame of a film that is shown for longer is told; seconds.
+/// A last frame that is shown for longer than this is reported; seconds.
 const LONG_LAST_S: f64 = 1.0;
 /// By how much the last frame must be shown longer than others, or shorter, to be reported.
 const UNLIKE: f64 = 0.05;

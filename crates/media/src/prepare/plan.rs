@@ -61,8 +61,8 @@ pub struct PreparationPlan {
 
 /// Levels of a pack unless asked for otherwise or the picture is tiny.
 const LEVELS: u8 = 5;
-/// Faces of a sphere that is resampled may be so many times as fine as it is, and so large anyway:
-/// memory follows their pixels.
+/// Faces of a resampled sphere may be this many times as fine as the sphere, and always this large.
+/// There is a bound because memory grows with their pixels.
 const MOST_FINER: u32 = 2;
 const LEAST_FACE_BOUND: u32 = 2048;
 /// The longer side of a coarsest level is not halved below this many pixels.
@@ -302,11 +302,11 @@ fn surface(found: &SurroundOfEyes) -> Surface {
     }
 }
 
-/// Bytes of memory, at most, that preparing takes for each pixel of six faces, and besides.
+/// Most bytes of memory that preparing needs for each pixel of six faces, and in addition to them.
 const BYTES_A_PIXEL: u64 = 110;
 const BYTES_BESIDE: u64 = 200 << 20;
 
-/// Bytes of memory that preparing takes of a cube with so many pixels on a side of a face.
+/// Bytes of memory that preparing a cube needs, whose faces have this many pixels on a side.
 pub(super) fn face_memory(side: u32) -> u64 {
     6 * u64::from(side).pow(2) * BYTES_A_PIXEL + BYTES_BESIDE
 }

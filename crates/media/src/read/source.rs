@@ -224,13 +224,13 @@ pub(crate) fn frames_of(seconds: Option<f64>, rate: [i32; 2]) -> Option<u64> {
     seconds.map(|s| (s * frames / per).round().max(1.0) as u64)
 }
 
-/// Containers whose lengths are not those of the pictures: of all streams together (ASF), or a
-/// guess where writing it broke off (AVI). How far their data reach tells whether they are whole.
+/// Containers whose lengths are not those of the pictures: they are of all streams together (ASF),
+/// or a guess where writing broke off (AVI). How far their data reach shows whether they are whole.
 const TELL_OF_OTHERS: [&str; 2] = ["asf", "avi"];
 
-/// Number of frames that the container tells of this stream, without those that it says are not
-/// to be shown.
-#[allow(unsafe_code)] // ffmpeg-next tells neither the index of a stream nor how lengths were found.
+/// Number of frames that the container announces for this stream, without those that it says are
+/// not to be shown.
+#[allow(unsafe_code)] // ffmpeg-next gives neither a stream's index nor how lengths were found.
 pub(crate) fn frames_told(input: &Input, stream: &Stream, rate: [i32; 2]) -> Option<u64> {
     if TELL_OF_OTHERS.contains(&input.format().name()) {
         return None;

@@ -94,7 +94,7 @@ impl GridMesh {
         (centre / grid.step, bounds.radius / grid.step)
     }
 
-    /// Makes the sphere round the mesh enclose vertices from this one on.
+    /// Makes the sphere round the mesh enclose the vertices from this one on.
     pub(super) fn reach_all(&mut self, first: usize) {
         let bounds = &mut self.object.bounds;
         let centre = DVec3::from_array(bounds.centre);
@@ -210,7 +210,7 @@ impl KnownVertices {
         known
     }
 
-    /// The number of a vertex, which the mesh gets if it has none of this value.
+    /// The number of a vertex; added to the mesh if it has none of this value.
     pub(super) fn number(&mut self, mesh: &mut GridMesh, vertex: MeshVertex) -> u32 {
         let next = mesh.vertices.len() as u32;
         let number = *self.of_value.entry(key(&vertex)).or_insert(next);
@@ -223,7 +223,7 @@ impl KnownVertices {
     }
 }
 
-/// The place of a vertex in one number.
+/// The place of a vertex as one number.
 fn place_of(vertex: &MeshVertex) -> u64 {
     // The place lies in the low bits.
     key(vertex).0 as u64 & ((1 << 48) - 1)

@@ -34,7 +34,7 @@ pub(super) struct Simplified {
     pub error: f32,
     /// Whether attributes were let go of where they jump.
     pub permissive: bool,
-    /// Vertices that the mesh has not: clusters number them behind those that it has.
+    /// Vertices that the mesh lacks: clusters number them after those that it has.
     pub added: Vec<MeshVertex>,
 }
 
@@ -93,8 +93,8 @@ pub(super) fn simplify(
 }
 
 impl Simplified {
-    /// Gives the mesh the vertices that are added, each value once; the first was taken to have the
-    /// number `there`. What the mesh has is `known` once anything was added.
+    /// Gives the mesh the added vertices, each value once; corners assumed the number `there` for
+    /// the first. `known` has the vertices of the mesh once any was added.
     pub(super) fn take_into(
         &mut self,
         mesh: &mut GridMesh,
@@ -132,7 +132,7 @@ struct Group {
 }
 
 impl Group {
-    /// The same of many small parts that lie apart.
+    /// The same for many small parts that lie apart.
     fn thinned(&mut self, mesh: &GridMesh) -> Option<Simplified> {
         let before = self.part.corners.len();
         let thinned = thin(mesh, &mut self.part, &self.locks, self.owed)?;

@@ -3,24 +3,24 @@
 use super::sound::count;
 use crate::source::Repairs;
 
-/// A colour of a material is brighter than white by mistake up to here; what is beyond is written
-/// from 0 to 255.
+/// Up to here a colour of a material is brighter than white by mistake. Beyond, it is written from
+/// 0 to 255.
 const MOST_LIGHT: f64 = 16.0;
-/// And by rounding up to here.
+/// Up to here it is brighter than white by rounding.
 const CUT_LIGHT: f64 = 1.01;
 
-/// How parts of a material's colour, meant to be from 0 to 1, are taken.
+/// How parts of a material's colour, which should be from 0 to 1, are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Brightness {
     AsSaid,
-    /// Brighter than white: cut, of so much.
+    /// Brighter than white by this much: cut.
     Cut(f64),
-    /// As codes up to 255, of so much.
+    /// Read as codes up to 255; this is the largest.
     Codes(f64),
 }
 
 impl Brightness {
-    /// Of red, green and blue, and what may be an alpha.
+    /// For red, green and blue, and what may be an alpha.
     pub(super) fn of(parts: [f64; 3], alpha: f64) -> Self {
         let most = parts[0].max(parts[1]).max(parts[2]);
         if most > MOST_LIGHT || most > CUT_LIGHT && alpha > MOST_LIGHT {
@@ -32,7 +32,7 @@ impl Brightness {
         }
     }
 
-    /// What stands for all light.
+    /// The value that counts as full light.
     pub(super) fn full(self) -> f64 {
         match self {
             Self::Codes(_) => BYTE,
@@ -40,7 +40,7 @@ impl Brightness {
         }
     }
 
-    /// Under which name it is counted, and what a person should know of `what`.
+    /// The name under which it is counted, and what a person should know about `what`.
     pub(super) fn told(self, what: &str) -> Option<(&'static str, String)> {
         match self {
             Self::AsSaid => None,
@@ -49,7 +49,7 @@ impl Brightness {
                 Some(("colours_cut", told))
             }
             Self::Codes(most) => {
-                let told = format!("{what} reaches {most}: 255 is taken for all light");
+                let told = format!("{what} reaches {most}: 255 counts as full light");
                 Some(("colours_rescaled", told))
             }
         }

@@ -137,7 +137,7 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Whether the head of a picture says that texels may be less than opaque.
+/// Whether the header of a picture allows texels that are not opaque.
 pub(crate) fn may_have_alpha(bytes: &[u8]) -> bool {
     let Some(told) = told(bytes).filter(|_| size_of(bytes).is_some()) else {
         return false;

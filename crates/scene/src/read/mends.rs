@@ -79,7 +79,7 @@ pub(super) const WORDS_BEYOND: Mend = Mend {
     name: "rows_too_long",
     what: "rows have more values than announced; the rest of each is left out",
 };
-/// Corners are parted by commas, or have blanks within.
+/// Commas separate corners, or corners have blanks within.
 pub(super) const FACE_SIGNS: Mend = Mend {
     name: "faces_with_odd_signs",
     what: "faces have commas between their corners, or blanks within them: read as meant",
@@ -92,7 +92,7 @@ pub(super) const FROM_ONE: Mend = Mend {
 /// The corners of faces have another name.
 pub(super) const CORNERS_NAMED: Mend = Mend {
     name: "corners_of_another_name",
-    what: "the corners of faces are not called `vertex_indices`, and are found all the same",
+    what: "the corners of faces are not called `vertex_indices`, and are read all the same",
 };
 /// Materials of faces are not all there.
 pub(super) const PLY_MATERIALS: Mend = Mend {
@@ -104,29 +104,29 @@ pub(super) const MATERIAL_TWICE: Mend = Mend {
     name: "materials_defined_twice",
     what: "materials are defined twice, in different ways: the last of each is shown",
 };
-/// A material of nearly this name is there.
+/// There is a material of nearly this name.
 pub(super) const MATERIAL_NEARLY: Mend = Mend {
     name: "materials_found_by_case",
-    what: "materials are there under names that differ in capitals or blanks: taken for those \
-           that are named",
+    what: "materials have names that differ in capitals or blanks from those that are named, \
+           and are used for them",
 };
 /// A black material under colours.
 pub(super) const BLACK_UNDER_COLOURS: Mend = Mend {
     name: "black_under_colours",
-    what: "materials are black, on surfaces whose vertices have colours: these colours are shown",
+    what: "materials are black, but the vertices of their surfaces have colours, which are shown",
 };
-/// How a picture is to be changed is not followed.
+/// Options that change a picture are ignored.
 pub(super) const MAP_OPTION_LEFT: Mend = Mend {
     name: "texture_options_left_out",
-    what: "pictures are to be made brighter, darker or turbulent (`-mm`, `-t`): they are shown as \
-           they are",
+    what: "pictures should be made brighter, darker or turbulent (`-mm`, `-t`): they are shown \
+           unchanged",
 };
-/// A colour is told by a spectrum.
+/// A spectrum gives a colour.
 pub(super) const SPECTRUM_LEFT: Mend = Mend {
     name: "spectra_left_out",
-    what: "colours of materials are told by files of spectra, which are not read: they are grey",
+    what: "files of spectra give colours of materials, and are not read: these materials are grey",
 };
-/// Colours of ZBrush are more or fewer than vertices.
+/// ZBrush painted more or fewer colours than there are vertices.
 pub(super) const POLYPAINT_LENGTH: Mend = Mend {
     name: "colours_of_another_number",
     what: "painted colours (`#MRGB`) are more or fewer than the vertices: vertices without one \
@@ -200,21 +200,20 @@ pub(super) const ODD_INDICES: Mend = Mend {
     name: "indices_of_another_kind",
     what: "lists of indices are not of unsigned whole numbers, and are read as if they were",
 };
-/// Numbers are of a kind that OpenGL has, and glTF has not.
+/// Numbers are of a kind that OpenGL has and glTF does not.
 pub(super) const ODD_COMPONENTS: Mend = Mend {
     name: "components_of_another_kind",
-    what: "accessors are of kinds of numbers that glTF does not have: read as OpenGL has them",
+    what: "accessors have kinds of numbers that glTF does not have: read as in OpenGL",
 };
 /// Elements would overlap.
 pub(super) const STRIDE_TOO_SMALL: Mend = Mend {
     name: "strides_mended",
-    what: "elements are said to lie closer than they are long: read as following each other",
+    what: "strides are shorter than their elements: the elements are read one after the other",
 };
 /// A view has no bytes.
 pub(super) const VIEW_EMPTY: Mend = Mend {
     name: "views_without_length",
-    what: "buffer views say that they have no bytes: they are taken to reach to the end of their \
-           buffers",
+    what: "buffer views claim to have no bytes: they are read up to the end of their buffers",
 };
 /// A view goes beyond its buffer.
 pub(super) const VIEW_CUT: Mend = Mend {
@@ -231,7 +230,7 @@ pub(super) const MATERIAL_NOT_FOUND: Mend = Mend {
     name: "materials_not_found",
     what: "materials that parts of meshes name do not exist: these parts are white",
 };
-/// A material with a picture lies on what has no place on it.
+/// A material with a picture lies on a surface without texture coordinates.
 pub(super) const TEXTURE_WITHOUT_UVS: Mend = Mend {
     name: "textures_without_coordinates",
     what: "parts of meshes have a texture, but no texture coordinates: they are shown in one \

@@ -150,10 +150,10 @@ impl Search {
             let by_case = whole.as_ref().is_some_and(|whole| is_like(whole, &path));
             let [name, taken] = [bare, &*path.to_string_lossy()].map(shortened);
             let remark = match by_case {
-                true => format!("there is no \"{name}\", but \"{taken}\", which is taken for it"),
+                true => format!("there is no \"{name}\", but \"{taken}\", which is used instead"),
                 false => format!(
-                    "there is no \"{name}\" in the folder of the model: \"{taken}\" is taken for \
-                     it"
+                    "there is no \"{name}\" in the folder of the model: \"{taken}\" is used \
+                     instead"
                 ),
             };
             folder.tell(Taken { by_case, remark });

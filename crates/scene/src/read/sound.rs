@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
-/// Names in `repairs` of what is counted because it may be a mistake, and was not mended.
+/// Names in `repairs` of what is counted as a possible mistake, and was not mended.
 pub const KEPT: [&str; 8] = [
     "drawn_opaque",
     "duplicate_vertices",

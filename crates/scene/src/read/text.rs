@@ -132,7 +132,7 @@ impl<'a> Words<'a> {
         words.join(" ")
     }
 
-    /// The same with whatever blanks are within.
+    /// The same, with blanks as they are.
     pub(super) fn rest_as_it_is(&self) -> &'a str {
         self.rest.trim_ascii()
     }
@@ -149,7 +149,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The same of one that begins with `//`, where no number has a slash.
+    /// The same for a comment that begins with `//`, in lines whose numbers have no slash.
     pub(super) fn leave_out_slashes(&mut self) {
         let slash = self.rest.as_bytes().iter().position(|it| *it == b'/');
         if let Some(at) = slash.filter(|at| self.rest[*at..].starts_with("//")) {
@@ -157,7 +157,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The next word as a number; NaN where it is none.
+    /// The next word as a number; NaN where it is not a number.
     pub(super) fn any_number(&mut self) -> Option<f64> {
         let word = self.next()?;
         let number = number_of(word, &mut self.commas);

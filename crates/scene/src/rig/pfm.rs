@@ -19,7 +19,7 @@ const LEAST_NODES: u32 = 2;
 /// Points nearer than this to the origin do not count, in units of the map: nDisplay's.
 pub(super) const NO_POINT: f64 = 1e-5;
 
-/// Largest share of a panel's width or height that is one: others are pixels.
+/// Largest number that is a share of a panel's width or height; larger ones are pixels.
 const MOST_SHARE: f64 = 2.0;
 
 /// A map of three floats a pixel, or a node between which pixels lie.
@@ -30,11 +30,11 @@ pub(super) struct FloatMap<'a> {
     pixels: [usize; 2],
     is_little: bool,
     floats: &'a [u8],
-    /// What a share is multiplied with.
+    /// The factor for shares.
     scale: [f64; 2],
-    /// Whether (0, 0, 0) says that nothing is lit: no two pixels show one place.
+    /// Whether (0, 0, 0) means unlit, as no two pixels show one place.
     is_zero_none: bool,
-    /// What of it was mended, for people.
+    /// What was mended, in words.
     notes: Vec<String>,
 }
 
@@ -86,7 +86,7 @@ impl<'a> FloatMap<'a> {
         if there.len() < floats.len() {
             let behind = floats.len() - there.len();
             notes.push(format!(
-                "{} behind its floats are left out",
+                "{} after its floats are left out",
                 counted(behind as u64, "byte")
             ));
         }
@@ -114,7 +114,7 @@ impl<'a> FloatMap<'a> {
         Ok(map)
     }
 
-    /// The same whose first two floats are shares of 0 to 1, though the file counts pixels.
+    /// The same, with first two floats that are shares from 0 to 1 even if the file counts pixels.
     pub(super) fn of_shares(mut self) -> Result<Self, String> {
         let [w, h] = self.nodes;
         let all = (0..h).flat_map(|line| (0..w).map(move |column| (line, column)));
@@ -131,8 +131,8 @@ impl<'a> FloatMap<'a> {
         if !reaches.iter().all(|it| (0.5..=1.05).contains(it)) {
             let [x, y] = largest;
             return Err(format!(
-                "tells of places up to {x} and {y}, where 1 is the whole width or height, and \
-                 these are no pixels of {w} x {h}: write shares of 0 to 1"
+                "has places up to {x} and {y}, where 1 is the whole width or height, and these \
+                 are not pixels of {w} x {h}: write shares from 0 to 1"
             ));
         }
         self.scale = self.pixels.map(|side| 1.0 / side as f64);
@@ -141,7 +141,7 @@ impl<'a> FloatMap<'a> {
         Ok(self)
     }
 
-    /// What of it was mended.
+    /// What was mended, in words.
     pub(super) fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -220,7 +220,7 @@ impl<'a> FloatMap<'a> {
     }
 }
 
-/// Whether the floats of a node say that nothing is lit there: not a number, or -1 all three.
+/// Whether the floats of a node mean unlit: the first two are not numbers, or all three are -1.
 fn is_unlit(all: [f32; 3]) -> bool {
     all[..2].iter().any(|it| it.is_nan()) || all == [-1.0; 3]
 }

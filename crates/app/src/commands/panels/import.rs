@@ -114,7 +114,7 @@ struct ImportReport {
     panels: usize,
     /// That were written.
     files: Vec<String>,
-    /// What of the file was mended or left out.
+    /// Which parts of the file were mended or left out.
     remarks: Vec<String>,
 }
 

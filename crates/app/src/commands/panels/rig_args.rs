@@ -103,7 +103,7 @@ impl RigArgs {
     }
 }
 
-/// Reads a rig, and says what of its file is left out or mended.
+/// Reads a rig, and says which parts of its file are left out or mended.
 pub(super) fn read_noting(path: &Path, eye: Option<[f64; 3]>) -> anyhow::Result<NotedRig> {
     let found = read_rig_seen_from(path, eye)?;
     for note in &found.notes {

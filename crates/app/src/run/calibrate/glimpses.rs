@@ -42,7 +42,7 @@ const SPHERE_GAZES: [[f64; 4]; 5] = [
 ];
 /// Gazes of [`CalibrationExtent::Usual`].
 const USUAL_GAZES: usize = 3;
-/// Pixels that it draws and judges at most: about 40 s of a processor.
+/// Most pixels that it draws and judges: about 40 s of a processor.
 const USUAL_PIXELS: f64 = 80e6;
 /// Bounds and slopes that a glimpse is drawn at, and the finest level.
 const DRAWN_AT: f64 = 10.0;

@@ -1,5 +1,5 @@
-//! Is it told of a film, whatever its container, that its end or its beginning is gone, or that it
-//! is two?
+//! Does Foveal report, in every container, that a film lost its end or its beginning, or that it is
+//! two films?
 
 use super::film_file::{Film, trimmed};
 use super::films::{moving, prepared, remarks, repair};
@@ -7,7 +7,8 @@ use crate::support::{Folder, refused};
 use ffmpeg_next::format::Pixel;
 use serde_json::{Value, json};
 
-/// What is told of bytes that are given this name, and that `--strict` refuses them if it must.
+/// What is reported of a file with this name and these bytes; asserts that `--strict` refuses one
+/// that is mended.
 fn told_of(folder: &Folder, name: &str, bytes: &[u8], is_mended: bool) -> Value {
     let file = folder.holding(name, bytes);
     let told = prepared(folder, &file, &[]);
@@ -30,7 +31,7 @@ fn made(folder: &Folder, name: &str, film: &Film<'_>) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-/// Where the mark stands in bytes for the nth time, counted from 0.
+/// Where the mark occurs for the nth time, counted from 0.
 fn nth(bytes: &[u8], mark: &[u8], number: usize) -> usize {
     let all = bytes.windows(mark.len()).enumerate();
     let all = all.filter(|(_, it)| *it == mark).map(|(at, _)| at);
@@ -71,7 +72,7 @@ fn a_film_that_ends_between_two_pictures_is_cut_short_in_every_container_that_te
         let at = match &name[2..] {
             "avi" => nth(&whole, b"00dc", 20),
             "flv" => tag(&whole, 22),
-            // Its last page alone tells that it is the last.
+            // Only the last page says that it is the last.
             "ogv" => nth(&whole, b"OggS", usize::MAX),
             _ => whole.len() * 6 / 10,
         };
@@ -164,7 +165,7 @@ fn recordings_that_are_put_behind_each_other_are_no_damage() {
         .sum();
         assert_eq!(damage, 0, "{name}: {told}");
         assert_eq!(repair(&told, "joined_recordings"), 2, "{name}: {told}");
-        assert!(remarks(&told).contains("begin again 2 times"), "{told}");
+        assert!(remarks(&told).contains("start again 2 times"), "{told}");
         let frames = told["frames"].as_u64().unwrap();
         assert!((98..=100).contains(&frames), "{name}: {told}");
         let seconds = told["seconds"].as_f64().unwrap();

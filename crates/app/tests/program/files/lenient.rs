@@ -1,4 +1,4 @@
-//! Does what other readers take without a word come into a pack, looking right, and with a word?
+//! Does what other readers accept silently come into a pack, look right, and get reported?
 
 use super::row::{Row, png_of};
 use crate::support::{Folder, Rgb, done, json};
@@ -10,7 +10,7 @@ fn obj(before: &str, face: &str) -> String {
     format!("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\n{before}\n{face}\n")
 }
 
-/// The same as text of PLY, with properties and rows beside.
+/// The same as text of PLY, with more properties and rows.
 fn ply(of_faces: &str, rest: &str) -> String {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
@@ -117,7 +117,7 @@ fn thousands_of_small_parts_are_seen_in_the_first_picture_too() {
     let told = json(&["prepare", "scene", &file, "--out", &pack]);
     assert_eq!(told["leaf_triangles"], 8000);
     let whole = lit(&folder, &pack, &["--policy", "full"]);
-    // Next to nothing can be fetched: what is there from the start is drawn.
+    // Almost nothing can be fetched: what is there from the start is drawn.
     let first = lit(&folder, &pack, &["--policy", "uniform", "--budget", "1"]);
     assert!(whole > 0.005, "{whole}");
     assert!((0.5..2.0).contains(&(first / whole)), "{first} of {whole}");

@@ -1,9 +1,9 @@
-//! Are layouts of displays as programs write them read, and is what was mended told?
+//! Are layouts of displays read as other programs write them, and are mends reported?
 
 use crate::support::{Folder, json, refused};
 use serde_json::Value;
 
-/// What `panels import` tells of a file.
+/// What `panels import` reports about a file.
 fn imported(folder: &Folder, file: &str) -> Value {
     let out = folder.name("rig.toml");
     let _ = std::fs::remove_file(&out);
@@ -87,11 +87,11 @@ fn an_mpcdi_whose_files_are_named_in_other_letters_keeps_its_maps() {
     let told = imported(&folder, &file);
     assert_eq!(told["files"].as_array().unwrap().len(), 3, "{told}");
     for words in [
-        "region \"left\" are taken for \"Left\"",
-        "region \"RIGHT\" are taken for \"Right\"",
+        "region \"left\" are used for \"Left\"",
+        "region \"RIGHT\" are used for \"Right\"",
         "1 ampersand",
         "before its XML declaration",
-        "5 bytes behind its floats",
+        "5 bytes after its floats",
     ] {
         assert!(remarks(&told).contains(words), "{words}: {told}");
     }
@@ -103,5 +103,5 @@ fn an_mpcdi_whose_files_are_named_in_other_letters_keeps_its_maps() {
     }
     let none = "<buffer xResolution=\"0\" yResolution=\"0\">";
     let file = folder.holding("c.xml", text(&both, none).as_bytes());
-    assert!(remarks(&imported(&folder, &file)).contains("taken for not told"));
+    assert!(remarks(&imported(&folder, &file)).contains("is treated as missing"));
 }

@@ -110,7 +110,7 @@ impl Gains {
     }
 }
 
-/// How much of a cell just outside the view is seen, fading into it, over one in view.
+/// How visible a cell just outside the view is as it fades in, relative to one in view.
 const SEEN_OF_BORDER: f64 = 0.25;
 /// Chance that the next saccade lands outside what the gaze predicts while a group is shown.
 const WANDER: f64 = 0.3;

@@ -29,13 +29,14 @@ const LEAST_PACKETS: usize = 8;
 const LAST_PAGES: u64 = 1 << 17;
 /// The flag of an Ogg's last page.
 const OGG_LAST: u8 = 4;
-/// Parts of an AVI or ASF before its pictures that are looked at.
+/// Most parts before the pictures of an AVI or ASF that are read.
 const MOST_PARTS: u32 = 64;
-/// Names of an ASF's header and of its data, and the bytes of these before the first packet.
+/// Identifiers of an ASF's header and of its data, and the bytes of the data before the first
+/// packet.
 const ASF_HEADER: [u8; 16] = *b"\x30\x26\xb2\x75\x8e\x66\xcf\x11\xa6\xd9\0\xaa\0\x62\xce\x6c";
 const ASF_DATA: [u8; 16] = *b"\x36\x26\xb2\x75\x8e\x66\xcf\x11\xa6\xd9\0\xaa\0\x62\xce\x6c";
 const ASF_DATA_HEAD: u64 = 50;
-/// A film is short that lacks this share of what its header tells, and so many seconds.
+/// A film that lacks this share of the length in its header, and this many seconds, is cut short.
 const MOST_MISSING: f64 = 0.05;
 const LEAST_MISSING_S: f64 = 0.2;
 /// The file's first element is shorter than this, bytes.
@@ -55,7 +56,7 @@ pub(crate) fn why_cut(path: &Path, bytes: u64, format: &str) -> Option<String> {
     }
 }
 
-/// Looks where any bytes say that their pictures end: for fuzzing and tests.
+/// Looks up where any bytes say that their pictures end: for fuzzing and tests.
 pub fn read_any_end(bytes: &[u8]) {
     let _ = end_of_avi(&mut Cursor::new(bytes));
     let _ = end_of_asf(&mut Cursor::new(bytes));
@@ -64,8 +65,7 @@ pub fn read_any_end(bytes: &[u8]) {
     let _ = declared_matroska_bytes(bytes);
 }
 
-/// What a header tells of a film's length, where it tells it of all streams together, and how far
-/// these reach.
+/// The length that a header gives for all streams together, and how far the streams reach.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ToldEnd {
     /// Seconds.
@@ -100,23 +100,23 @@ impl ToldEnd {
         self.end = self.end.max(begin + packet.duration() as f64 * tick);
     }
 
-    /// Why what came, up to the end of the file, is less than all; none where it is not.
+    /// Why the packets up to the end of the file are fewer than announced; none where they are not.
     pub(crate) fn why_short(&self) -> Option<String> {
         let (told, begin) = self.told.zip(self.begin)?;
         let came = self.end - begin;
         let most = (told * (1.0 - MOST_MISSING)).min(told - LEAST_MISSING_S);
-        (came < most).then(|| format!("it tells of {told:.2} s"))
+        (came < most).then(|| format!("it announces {told:.2} s"))
     }
 }
 
-/// Where the pictures of a file end, by what its beginning tells.
+/// Where the pictures of a file end, according to its beginning.
 fn end_of(path: &Path, find: fn(&mut BufReader<File>) -> Option<u64>) -> Option<u64> {
     let (file, _) = open_plain(path).ok()?;
     find(&mut BufReader::new(file))
 }
 
-/// Where the list of pictures of an AVI ends, of which the heads of lists are read; none of other
-/// files, and where it is not told.
+/// Where the list of pictures of an AVI ends. Only the heads of lists are read. None for other
+/// files, and where the length is not given.
 fn end_of_avi(file: &mut (impl Read + Seek)) -> Option<u64> {
     let mut head = [0; 12];
     file.read_exact(&mut head).ok()?;
@@ -136,7 +136,7 @@ fn end_of_avi(file: &mut (impl Read + Seek)) -> Option<u64> {
     None
 }
 
-/// The same of an ASF file (WMV): where its data end.
+/// Where the data of an ASF file (WMV) end.
 fn end_of_asf(file: &mut (impl Read + Seek)) -> Option<u64> {
     let mut at = 0;
     for _ in 0..MOST_PARTS {
@@ -149,7 +149,7 @@ fn end_of_asf(file: &mut (impl Read + Seek)) -> Option<u64> {
         let length = u64::from_le_bytes(*head[16..].first_chunk()?);
         let end = at.checked_add(length).filter(|_| length > 24)?;
         if head[..16] == ASF_DATA {
-            // Those that are sent as they are made do not know it.
+            // Live streams do not know their length.
             return (length > ASF_DATA_HEAD).then_some(end);
         }
         at = end;
@@ -157,7 +157,7 @@ fn end_of_asf(file: &mut (impl Read + Seek)) -> Option<u64> {
     None
 }
 
-/// What an Ogg lacks that ends with these bytes (RFC 3533); none where no page is seen in them.
+/// What is missing from an Ogg that ends with these bytes (RFC 3533); none where they have no page.
 fn why_cut_ogg(last: &[u8]) -> Option<&'static str> {
     let pages = last.windows(6).enumerate();
     let mut pages = pages.filter(|(_, it)| it.starts_with(b"OggS") && it[4] == 0);
@@ -171,7 +171,7 @@ fn why_cut_ogg(last: &[u8]) -> Option<&'static str> {
         pieces.map(|it| 27 + it.len() + it.iter().map(|it| usize::from(*it)).sum::<usize>());
     match whole {
         Some(length) if at + length <= last.len() => {
-            (!is_last).then_some("it ends without the mark of its end")
+            (!is_last).then_some("it ends without its end mark")
         }
         _ => Some("it ends within a page"),
     }
@@ -309,7 +309,7 @@ mod tests {
         let whole = [page(2), page(0), page(4)].concat();
         assert_eq!(why_cut_ogg(&whole), None);
         let told = |end: usize| why_cut_ogg(&whole[..end]).unwrap();
-        assert!(told(2 * page(0).len()).contains("mark of its end"));
+        assert!(told(2 * page(0).len()).contains("without its end mark"));
         for cut in [1, 100, 264, 266, 268, 280] {
             assert!(told(whole.len() - cut).contains("within a page"), "{cut}");
         }

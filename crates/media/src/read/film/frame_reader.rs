@@ -37,8 +37,8 @@ const LOST: &str = "its data are incomplete, or two streams were joined here, wh
 const PASSED_OVER: &str = "a part of it does not belong to its format";
 const HOLE: &str = "a part of a picture is gone, with zeros in its place";
 
-/// Packets behind one that is told to be damaged within which another recording may begin: FFmpeg
-/// tells it of one or two before.
+/// Another recording may begin within this many packets after one that FFmpeg calls damaged: it
+/// marks the packet one or two before.
 const JOINT_WITHIN: usize = 3;
 
 /// Errors in a row from a decoder that has no more packets, after which nothing more comes.
@@ -82,7 +82,7 @@ pub(crate) struct FrameReader {
     why_cut: Option<String>,
     told_end: ToldEnd,
     joints: Joints,
-    /// Read while it was looked what follows another packet.
+    /// Packets read ahead in search of a joint.
     held: VecDeque<Packet>,
     path: PathBuf,
     bytes: u64,
@@ -199,7 +199,7 @@ impl FrameReader {
         [self.beginning.dropped(is_at_end), damaged, lost]
     }
 
-    /// How often time stamps began again, as where recordings were joined.
+    /// How often time stamps started again, as they do where recordings were joined.
     pub(crate) fn joined(&self) -> u64 {
         self.joints.found()
     }
@@ -344,7 +344,7 @@ impl FrameReader {
         }
     }
 
-    /// Reads the next packet of the stream, whose stamps follow those before; false at the end.
+    /// Reads the next packet of the stream; its stamps follow those before. False at the end.
     fn next_packet(&mut self, packet: &mut Packet) -> Result<bool, String> {
         match self.held.pop_front() {
             Some(held) => *packet = held,
@@ -357,12 +357,12 @@ impl FrameReader {
         Ok(true)
     }
 
-    /// Where recordings are joined, the counter of their pieces begins again too, which FFmpeg
-    /// tells of one of the packets before, and is no damage.
+    /// Where recordings are joined, the counter of their pieces starts again too. FFmpeg then calls
+    /// one of the packets before damaged, which it is not.
     fn look_for_joint(&mut self, packet: &mut Packet) {
         for _ in 0..JOINT_WITHIN {
             let mut next = Packet::empty();
-            // What stops it there is told in its turn.
+            // An error here is reported when its turn comes.
             let Ok(Some(is_joint)) = self.read_own(&mut next) else {
                 return;
             };
@@ -375,7 +375,7 @@ impl FrameReader {
         }
     }
 
-    /// The same from the file: whether time stamps begin again there; none at the end.
+    /// The same from the file. Says whether time stamps start again there; none at the end.
     fn read_own(&mut self, packet: &mut Packet) -> Result<Option<bool>, String> {
         loop {
             // A fresh packet each time: av_read_frame overwrites without freeing.

@@ -1,31 +1,31 @@
-//! Where were recordings joined, so that the time stamps of a stream begin again?
+//! Where were recordings joined, so that the time stamps of a stream start again?
 //!
-//! Transport and program streams may be put behind each other as they are (`cat A.ts B.ts`). What
-//! decoders are told is when to decode, which never goes back within one recording.
+//! Transport and program streams may be joined end to end as they are (`cat A.ts B.ts`). Within one
+//! recording the time to decode at never goes back.
 
 use ffmpeg_next::{Packet, Rational};
 
-/// A step back by more than this is a new beginning, and so is one forward by more than that, as a
-/// stamp that falls below the first is taken for one that has gone round; seconds.
+/// A step back by more than the first is a new beginning, and so is a step forward by more than the
+/// second: FFmpeg treats a stamp below the first one as wrapped around. In seconds.
 const BACK_S: f64 = 0.1;
 const FORWARD_S: f64 = 3600.0;
 
 /// The stamps of one stream, one recording after another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Joints {
-    /// None where containers do not let stamps begin again.
+    /// None for containers in which stamps cannot start again.
     tick: Option<f64>,
     /// Ticks to add to the stamps of the file.
     offset: i64,
-    /// Of the packet before: when it was to be decoded, and how long it lasts.
+    /// When the packet before was to be decoded, and how long it lasts.
     last: Option<[i64; 2]>,
-    /// The same and the offset before the last joint, until a packet came behind it.
+    /// The same and the offset before the last joint, until a packet follows it.
     before: Option<([i64; 2], i64)>,
     found: u64,
 }
 
 impl Joints {
-    /// Of a stream whose stamps have this unit, in a container by FFmpeg's name.
+    /// For a stream whose stamps have this unit, in the container that FFmpeg calls so.
     pub(crate) fn of(container: &str, tick: Rational) -> Self {
         let joins = matches!(container, "mpegts" | "mpeg");
         let tick = f64::from(tick);
@@ -38,12 +38,13 @@ impl Joints {
         }
     }
 
-    /// How often stamps began again.
+    /// How often stamps started again.
     pub(crate) fn found(&self) -> u64 {
         self.found
     }
 
-    /// Puts the stamps of the next packet behind those before it; whether they begin again there.
+    /// Moves the stamps of the next packet after those before it. Says whether they start again
+    /// there.
     pub(crate) fn follow(&mut self, packet: &mut Packet) -> bool {
         let Some((tick, at)) = self.tick.zip(packet.dts().or(packet.pts())) else {
             return false;

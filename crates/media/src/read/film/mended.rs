@@ -23,7 +23,7 @@ pub struct Mended {
     pub breaks_off: Option<String>,
     /// Time stamps that did not rise and were replaced by the frame rate.
     pub repaired_stamps: u64,
-    /// Places where recordings were joined, so that time stamps began again.
+    /// Places where recordings were joined, so that time stamps start again.
     pub joined: u64,
     /// Interlaced frames that were made pictures of one moment.
     pub deinterlaced: u64,
@@ -104,8 +104,8 @@ impl Mended {
         }
         if self.joined > 0 {
             remarks.push(format!(
-                "its time stamps begin again {}, as where recordings are joined: what follows is \
-                 played after what came before",
+                "its time stamps start again {}, as they do where recordings are joined: the parts \
+                 are played one after the other",
                 counted(self.joined, "time")
             ));
         }

@@ -70,7 +70,7 @@ pub(crate) struct Beginning {
     /// The first frame, once it came out.
     first: Option<Place>,
     late: u32,
-    /// Where packets lie whose stamps nobody told and whose frames have not come out.
+    /// Where packets without stamps lie whose frames have not come out.
     untold: Vec<i64>,
     /// Whether the first packet leans on others, which are gone.
     is_open: bool,
@@ -99,7 +99,7 @@ impl Beginning {
         Ok(())
     }
 
-    /// Takes note of a packet of a stream with stamps that has none.
+    /// Takes note of a packet without a stamp in a stream that has stamps.
     fn note_untold(&mut self, place: Place, first: Place) {
         if let (Place::Byte(at), Place::Stamp(_)) = (place, first) {
             self.untold.push(at);
@@ -157,8 +157,8 @@ impl Beginning {
         self.first
     }
 
-    /// Packets that were to be shown before the first frame, and are not; once all frames have
-    /// come out, those that became none, too.
+    /// Packets that should have been shown before the first frame, and are not. Once all frames
+    /// have come out, packets that became no frame count too.
     pub(crate) fn dropped(&self, have_all_come: bool) -> u64 {
         let untold = if have_all_come { self.untold.len() } else { 0 };
         self.dropped + untold as u64

@@ -1,4 +1,4 @@
-//! What is seen of an animation whose pictures lie over each other?
+//! What does an animation show whose pictures lie over each other?
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use crate::write::picture_from_rgba::picture_from_rgba;
 /// How a picture covers the canvas.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cover {
-    /// Its left upper corner; what lies beyond the canvas is not drawn.
+    /// Its upper left corner; pixels beyond the canvas are not drawn.
     pub(crate) at: [u32; 2],
     pub(crate) size: [u32; 2],
-    /// Whether it lies over what is there, or takes its place.
+    /// Whether it blends with what is there, or replaces it.
     pub(crate) blends: bool,
     /// Whether its part is cleared before the next is drawn.
     pub(crate) vanishes: bool,
@@ -27,7 +27,7 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
-    /// One that is clear everywhere.
+    /// A canvas that is clear everywhere.
     pub(crate) fn new(size: [u32; 2]) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
         Self {
@@ -37,7 +37,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a picture where it is good, after what is to vanish before.
+    /// Clears what is to vanish, then draws a picture, if there is one.
     pub(crate) fn draw(&mut self, cover: Cover, pixels: Option<&[u8]>) {
         if let Some(last) = self.vanishing.take() {
             for (row, _) in rows_of(self.size, last) {
@@ -65,7 +65,7 @@ impl Canvas {
         self.rgba.chunks_exact(4).any(|pixel| pixel[3] < 255)
     }
 
-    /// What is seen of it over black.
+    /// How it looks over black.
     pub(crate) fn over_black(&self, colour: Colour) -> Picture {
         let mut rgba = self.rgba.clone();
         for pixel in rgba.chunks_exact_mut(4).filter(|pixel| pixel[3] < 255) {
@@ -78,7 +78,8 @@ impl Canvas {
     }
 }
 
-/// The rows of a canvas that a picture covers, in bytes, and the first byte of its own in each.
+/// The rows of a canvas that a picture covers, in bytes, and for each the first byte of the
+/// picture.
 fn rows_of([w, h]: [u32; 2], cover: Cover) -> impl Iterator<Item = (Range<usize>, usize)> {
     let [x, y] = cover.at;
     let wide = cover.size[0].min(w.saturating_sub(x)) as usize;
@@ -91,7 +92,7 @@ fn rows_of([w, h]: [u32; 2], cover: Cover) -> impl Iterator<Item = (Range<usize>
     })
 }
 
-/// Lays a pixel over another; both keep their colour and alpha apart.
+/// Lays a pixel over another; in both, colour is not multiplied by alpha.
 fn blend(behind: &mut [u8], own: &[u8]) {
     let (front, back) = (u32::from(own[3]), u32::from(behind[3]));
     // In 255ths of 255ths.

@@ -136,7 +136,7 @@ struct Shown {
     is_clear: bool,
     is_hdr: bool,
     photo_sphere: Option<PhotoSphere>,
-    /// What is not shown of it.
+    /// Which parts of it are not shown.
     notes: Vec<String>,
 }
 

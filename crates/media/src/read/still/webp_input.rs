@@ -1,7 +1,7 @@
 //! How is an animated WebP read, which FFmpeg does not decode?
 //!
-//! Its pictures are decoded one by one, as stills, and laid over each other here: of those that
-//! cover a part, the published decoder leaves trails where they are to vanish.
+//! Its pictures are decoded one by one, as stills, and laid over each other here. The published
+//! decoder leaves trails where a picture that covers a part should vanish.
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -21,12 +21,13 @@ use crate::read::still::still_tags::StillTags;
 /// Most bytes of a file, and most pixels of its pictures.
 const MOST_BYTES: u64 = 256 << 20;
 const MOST_PIXELS: u64 = 1 << 27;
-/// What browsers show a picture for that says no time, in milliseconds.
+/// How long browsers show a picture without a duration, in milliseconds.
 const UNSAID_MS: u32 = 100;
-/// Bytes of a file's beginning, and of what a picture says of itself before its data.
+/// Bytes of a file's header, and of a picture's header before its data.
 const RIFF_HEAD: usize = 12;
 const FRAME_HEAD: usize = 16;
-/// Bytes by which a file may be shorter than it says: a last byte that makes lengths even.
+/// Bytes by which a file may be shorter than it says: the last byte may only pad it to an even
+/// length.
 const PADDING: u64 = 1;
 /// How its planes are made of red, green and blue: as FFmpeg's are.
 const COLOUR: Colour = Colour {
@@ -47,12 +48,12 @@ pub(crate) struct WebPInput {
     mended: Mended,
 }
 
-/// What a file is made of.
+/// The parts of a file.
 struct WebPFilm {
     file: Vec<u8>,
     size: [u32; 2],
     has_alpha: bool,
-    /// The pictures that are there as a whole.
+    /// The pictures that are complete.
     frames: Vec<WebPFrame>,
     why_cut: Option<String>,
 }
@@ -91,7 +92,7 @@ impl WebPInput {
             return Err(no_frames(missing()));
         }
         let first = film.decoded(0);
-        // One that is damaged is told of, but not where there is no other.
+        // A damaged picture is mended and counted, unless there is no other.
         let is_any = || (1..film.frames.len()).any(|number| film.decoded(number).is_ok());
         if let Err(reason) = &first
             && !is_any()
@@ -133,7 +134,7 @@ impl WebPInput {
         Some(i64::from(last.shown_ms) * 1_000_000)
     }
 
-    /// The next picture; one that is damaged shows what was there before.
+    /// The next picture; in place of a damaged one the picture before stays.
     pub(crate) fn next_frame(&mut self) -> Option<TimedPicture> {
         let frame = self.film.frames.get(self.taken)?.clone();
         let time_ns = self.begins_ms as i64 * 1_000_000;
@@ -158,14 +159,14 @@ impl WebPInput {
 }
 
 impl WebPFilm {
-    /// Takes a file apart, as far as it goes. The error says why it is none.
+    /// Takes a file apart, as far as it goes. The error says why that is impossible.
     fn of(file: Vec<u8>) -> Result<Self, String> {
         let word = |at: usize| Some(u32::from_le_bytes(*file.get(at..)?.first_chunk()?));
         let told = u64::from(word(4).unwrap_or(0)) + 8;
         let is_told = told > RIFF_HEAD as u64;
         let there = file.len() as u64;
         let mut why_cut = (is_told && told > there + PADDING).then_some("it ends too early");
-        // What lies behind is no part of it.
+        // Bytes after the end do not belong to it.
         let end = if is_told { told.min(there) } else { there } as usize;
         let (mut size, mut flags) = (None, 0);
         let mut frames = Vec::new();
@@ -185,7 +186,7 @@ impl WebPFilm {
                 _ => {}
             }
         }
-        let size = size.ok_or("an animated WebP that does not tell its size")?;
+        let size = size.ok_or("an animated WebP without its size")?;
         let [w, h] = size.map(u64::from);
         if w * h > MOST_PIXELS {
             return Err(format!(
@@ -257,7 +258,7 @@ impl WebPFilm {
 }
 
 impl WebPFrame {
-    /// The one whose bytes lie there; none where they are too few.
+    /// The picture whose bytes lie there; none where they are too few.
     fn of(file: &[u8], inside: Range<usize>) -> Option<Self> {
         let head = &file[inside.clone()];
         let at = pair_at(head, 0)?.map(|half| 2 * half);
@@ -276,7 +277,7 @@ impl WebPFrame {
         })
     }
 
-    /// The file of a still of its data.
+    /// A still file made of its data.
     fn as_still(&self, file: &[u8]) -> Result<Vec<u8>, String> {
         let parts = &file[self.parts.clone()];
         let mut at = 0;
@@ -292,7 +293,7 @@ impl WebPFrame {
         }
         let (name, coded) = coded.ok_or("it lacks its data")?;
         let is_lossless = name == b"VP8L";
-        // The decoder would make room for what the data say before it looks.
+        // The decoder would allocate the size that the data give before any check.
         let side = |at: usize| {
             let it = coded.get(at..at + 2)?;
             Some(u32::from(u16::from_le_bytes([it[0], it[1]]) & 0x3fff))
@@ -315,7 +316,7 @@ impl WebPFrame {
     }
 }
 
-/// Name and contents of the chunk that begins there; its end may lie behind that of the bytes.
+/// Name and contents of the chunk that begins there; it may end after the bytes do.
 fn chunk(bytes: &[u8], at: usize) -> Option<(&[u8; 4], Range<usize>)> {
     let name = bytes.get(at..)?.first_chunk()?;
     let length = u32::from_le_bytes(*bytes.get(at + 4..)?.first_chunk()?);
@@ -424,7 +425,7 @@ mod tests {
         let file = of_parts(&[
             part(white, [0, 0], [8, 8], gone),
             part(white, [8, 0], [8, 8], gone),
-            // The whole of it, clear: only the part before it vanishes.
+            // All of it is clear: only the part before it vanishes.
             part([0; 4], [0, 0], [16, 16], over),
             part(white, [0, 8], [8, 8], over),
             part(half, [8, 8], [8, 8], over),
@@ -470,7 +471,7 @@ mod tests {
             (mended.damaged, mended.first_damaged),
             (1, Some((1, 100_000_000)))
         );
-        // What lies behind, and a length that was never written, are no damage.
+        // Bytes after the end are no damage, and neither is a length that was never written.
         let behind = [&whole[..], b"ANMF\xff\xff\xff\xff"].concat();
         let mut untold = whole.clone();
         untold[4..8].fill(0);

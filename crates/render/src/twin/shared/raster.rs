@@ -40,8 +40,8 @@ pub(crate) enum Sides {
     Both,
 }
 
-/// A pixel that a triangle covers, before more is asked of it than how near it is there: a GPU
-/// tests depths first, too.
+/// A pixel that a triangle covers. Only its depth is known yet, because a GPU tests depths first
+/// too.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Covered<'a> {
     pub(crate) pixel: [u32; 2],

@@ -1,9 +1,9 @@
-//! What stands for many small parts that lie apart, with half as many of them?
+//! How can half as many small parts that lie apart stand for all of them?
 //!
-//! Collapsing edges lets such parts vanish one by one, and with them what they cover: thousands of
-//! leaves, bolts or stones that are each too small to be seen are seen together. So of two parts
-//! that lie next to each other the larger one stays, and where those that are gone were as large
-//! as all that stay, these become as large as both.
+//! Collapsing edges makes such parts vanish one by one, and what they cover vanishes with them.
+//! But thousands of leaves, bolts or stones are seen together even if each is too small to be seen.
+//! So the larger of two neighbouring parts stays. Where the removed parts covered as much as those
+//! that stay, the parts that stay grow to cover as much as both did.
 
 use crate::build::clusters::Part;
 use crate::build::mesh::GridMesh;
@@ -11,26 +11,26 @@ use crate::build::numbering::Numbering;
 use foveal_core::content::mesh::payload::MeshVertex;
 use glam::DVec3;
 
-/// So many parts are many.
+/// The least number of parts that count as many.
 const MANY: usize = 8;
-/// So much larger than what is drawn may be what it stands for.
+/// The area that parts stand for may be this many times the area that is drawn.
 const MOST_OWED: f64 = 2.5;
-/// What part of the area may be lost before small parts are looked for.
+/// Small parts are looked for once less than this share of the area is left.
 const LEAST_AREA: f64 = 0.9;
 
-/// A group of which some parts stand for others.
+/// A group in which some parts stand for others.
 pub(in crate::build) struct Thinned {
-    /// Corners of triangles by numbers of the part, which got vertices more.
+    /// Corners of triangles, by numbers of the part with its new vertices.
     pub corners: Vec<u32>,
-    /// The vertices that it got; the last of the part.
+    /// The new vertices, which are the last of the part.
     pub added: Vec<MeshVertex>,
-    /// How far a part is from the one that stands for it at most, in steps of the grid.
+    /// The largest distance of a part from the one that stands for it, in steps of the grid.
     pub error: f32,
     /// The area that it stands for, as a multiple of its own.
     pub owed: f64,
 }
 
-/// Triangles that hang together.
+/// Connected triangles.
 #[derive(Clone, Debug, Default)]
 struct Piece {
     triangles: Vec<[u32; 3]>,
@@ -48,8 +48,8 @@ pub(in crate::build) fn has_lost_area(part: &Part, corners: &[u32]) -> bool {
     all(corners) < LEAST_AREA * all(&part.corners)
 }
 
-/// Halves the pieces of a part that has many and stands for so many times its area, given which
-/// of its vertices stay; none of another.
+/// Halves the number of pieces of a part, which stands for `owed` times its area; `locks` says
+/// which vertices stay. None where it has few pieces.
 pub(in crate::build) fn thin(
     mesh: &GridMesh,
     part: &mut Part,
@@ -92,7 +92,7 @@ pub(in crate::build) fn thin(
 }
 
 impl Thinned {
-    /// Adds a piece as large as that, with vertices of its own.
+    /// Adds a piece scaled by `scale`, with vertices of its own.
     fn add(&mut self, mesh: &GridMesh, part: &mut Part, piece: &Piece, scale: f64) {
         let corners = piece.triangles.as_flattened();
         let mut numbering = Numbering::new(corners.len());
@@ -107,13 +107,13 @@ impl Thinned {
         let at = |it: &u32| {
             let from = DVec3::from_array(of_mesh(it).place.map(f64::from));
             let at = piece.middle + scale * (from - piece.middle);
-            // What is round the mesh stays.
+            // The sphere round the mesh stays as it is.
             centre + (at - centre).clamp_length_max(reach)
         };
         let places: Vec<DVec3> = numbering.vertices.iter().map(at).collect();
         let low = places.iter().fold(DVec3::INFINITY, |low, it| low.min(*it));
         let high = places.iter().fold(DVec3::ZERO, |high, it| high.max(*it));
-        // And on the grid.
+        // Vertices stay on the grid, too.
         let shift = (-low).max(DVec3::ZERO) - (high - most).max(DVec3::ZERO);
         let vertices = numbering.vertices.iter().zip(&places);
         let enlarged = vertices.map(|(vertex, at)| MeshVertex {
@@ -126,7 +126,7 @@ impl Thinned {
         let enlarged: Vec<MeshVertex> = enlarged.collect();
         for triangle in numbers.as_chunks::<3>().0 {
             let [a, b, c] = triangle.map(|it| enlarged[it as usize].place);
-            // At the edge of the grid places may become one.
+            // At the edge of the grid places may coincide.
             if a != b && b != c && c != a {
                 self.corners.extend(triangle.map(|it| first + it));
             }
@@ -138,8 +138,8 @@ impl Thinned {
     }
 }
 
-/// The pieces that stay, each with the one that it stands for: of two free ones that are nearest to
-/// each other the larger.
+/// The pieces that stay, each with the one that it stands for. Of a free piece and its nearest free
+/// neighbour the larger one stays.
 fn pairs(pieces: &[Piece]) -> Vec<(&Piece, Option<&Piece>)> {
     let mut is_taken: Vec<bool> = pieces.iter().map(|it| it.is_locked).collect();
     let locked = pieces.iter().filter(|it| it.is_locked);
@@ -165,12 +165,12 @@ fn pairs(pieces: &[Piece]) -> Vec<(&Piece, Option<&Piece>)> {
     pairs
 }
 
-/// What of a part hangs together by places.
+/// The pieces of a part that are connected by places.
 fn pieces(mesh: &GridMesh, part: &Part, locks: &[bool]) -> Vec<Piece> {
     let mut numbering = Numbering::new(part.vertices.len());
     let place = |vertex: &u32| numbering.number(mesh.same_place[*vertex as usize]);
     let places: Vec<u32> = part.vertices.iter().map(place).collect();
-    // Each place knows one nearer to the first of its piece.
+    // Each place names one nearer to the first of its piece.
     let mut nearer: Vec<u32> = (0..numbering.vertices.len() as u32).collect();
     fn root(nearer: &mut [u32], mut at: u32) -> u32 {
         while nearer[at as usize] != at {

@@ -1,4 +1,4 @@
-//! Do thousands of small parts cover at every level what they cover together?
+//! Do thousands of small parts cover as much at every level as all of them do?
 
 use super::super::{BuildOptions, build};
 use super::parsed;

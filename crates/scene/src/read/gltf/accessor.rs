@@ -44,7 +44,7 @@ enum Component {
     U16,
     U32,
     F32,
-    /// The last three are of OpenGL, and not of glTF.
+    /// The last three belong to OpenGL, not to glTF.
     I32,
     F64,
     F16,
@@ -112,7 +112,7 @@ impl Component {
     }
 }
 
-/// The number that bits of a real number of 16 bits are: IEEE 754-2008, binary16.
+/// The value of a real number of 16 bits: IEEE 754-2008, binary16.
 fn half(bits: u16) -> f64 {
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     let value = match bits >> 10 & 31 {
@@ -128,7 +128,7 @@ fn half(bits: u16) -> f64 {
 struct Rows<'a> {
     bytes: &'a [u8],
     stride: usize,
-    /// Whether the view says a stride that is too small for them.
+    /// Whether the view gives a stride that is too small for them.
     is_closer: bool,
     count: usize,
     component: Component,
@@ -280,7 +280,7 @@ impl Accessors<'_> {
         Ok(full)
     }
 
-    /// The largest code of an accessor of normalised codes of sixteen bits; `None` of others.
+    /// The largest code of an accessor of normalised codes of sixteen bits; `None` for others.
     pub(super) fn full_code(&self, number: u32) -> Option<f64> {
         let accessor = self.get(number).ok()?;
         let is_code =
@@ -288,7 +288,7 @@ impl Accessors<'_> {
         is_code.then_some(f64::from(u16::MAX))
     }
 
-    /// The elements of an accessor of whole numbers; what is none is the largest.
+    /// The elements of an accessor of whole numbers; anything else is the largest.
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
         let whole = [

@@ -1,16 +1,16 @@
-//! How does JSON whose members are of other kinds than glTF has become a document?
+//! How does JSON become a document if its members are of other kinds than glTF allows?
 //!
-//! Only what is still no glTF after its text was mended comes here. Of doubled members the last
-//! counts, as in JavaScript; what is missing in a list of fixed length is what it would be without
-//! the list; an empty list is an empty object where one is asked for. What cannot be read after
-//! that is left out by itself: a material, a node, an accessor.
+//! Only text that is still not glTF after it was mended comes here. If a member is given twice, the
+//! last one counts, as in JavaScript. Numbers missing from a list of fixed length have the values
+//! that they would have without the list. An empty list is an empty object where an object is
+//! required. What still cannot be read is left out by itself: a material, a node, an accessor.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::json::Document;
 
-/// Lists of fixed length, and what their numbers are where they are not said.
+/// Lists of fixed length, and the values of numbers that are missing.
 const LISTS: [(&str, &[f64]); 8] = [
     ("baseColorFactor", &[1.0; 4]),
     ("diffuseFactor", &[1.0; 4]),
@@ -52,7 +52,7 @@ const COMPONENTS: [(&str, u32); 9] = [
     ("DOUBLE", 5130),
     ("HALF_FLOAT", 5131),
 ];
-/// Ways to make triangles of corners, from 0 on.
+/// Ways to make triangles from corners, numbered from 0.
 const MODES: [&str; 7] = [
     "POINTS",
     "LINES",
@@ -63,10 +63,10 @@ const MODES: [&str; 7] = [
     "TRIANGLE_FAN",
 ];
 
-/// The document that a text of JSON is, and how much of it had to be mended, at least once; `None`
-/// if it is no JSON, or no object whose lists are lists.
+/// The document in a text of JSON, and how many mends it needed, at least one. `None` if the text
+/// is not JSON, or not an object whose lists are lists.
 pub(super) fn fitted(text: &[u8]) -> Option<(Document, usize)> {
-    // Of doubled members the last is kept here.
+    // This keeps the last of members given twice.
     let Value::Object(mut all) = serde_json::from_slice(text).ok()? else {
         return None;
     };
@@ -94,7 +94,7 @@ pub(super) fn fitted(text: &[u8]) -> Option<(Document, usize)> {
     Some((document, mended.max(1)))
 }
 
-/// All of a list of the document; `None` where it is another thing.
+/// A list of the document; `None` where it is anything else.
 fn list<'a, T: Deserialize<'a> + Default>(
     all: &mut Map<String, Value>,
     name: &str,
@@ -111,7 +111,7 @@ fn list<'a, T: Deserialize<'a> + Default>(
     }
 }
 
-/// What a value is, mended where it must be; what cannot be read says nothing.
+/// A value, mended where necessary; the default where it cannot be read.
 fn one<'a, T: Deserialize<'a> + Default>(
     value: Option<Value>,
     name: &str,
@@ -128,21 +128,21 @@ fn one<'a, T: Deserialize<'a> + Default>(
     T::deserialize(value).unwrap_or_default()
 }
 
-/// Mends the value of a member, and all within.
+/// Mends the value of a member, and everything within it.
 fn mend(name: &str, value: &mut Value) {
     if let Value::Object(members) = value {
         members.retain(|_, it| !it.is_null());
         let is_scaled = name == "KHR_texture_transform";
         for (name, it) in members.iter_mut() {
             match LISTS.iter().find(|list| list.0 == name) {
-                // A texture has two scales, and turns by one number.
+                // A texture has two scales, and one number for its rotation.
                 Some(_) if is_scaled && name == "rotation" => {}
                 Some((_, usual)) if is_scaled => fill(name, it, &usual[..2.min(usual.len())]),
                 Some((_, usual)) => fill(name, it, usual),
                 None => mend(name, it),
             }
         }
-        // A matrix that is none places nothing.
+        // A list of another length is not a matrix.
         let is_matrix = |it: &Value| it.as_array().is_some_and(|it| it.len() == 16);
         members.retain(|name, it| name != "matrix" || is_matrix(it));
         members.retain(|_, it| !it.is_null());
@@ -159,7 +159,7 @@ fn mend(name: &str, value: &mut Value) {
         Value::Array(list) => {
             for it in list {
                 match it {
-                    // Of lists of objects the others keep their numbers.
+                    // The other objects of the list keep their numbers.
                     Value::Null => *it = Value::Object(Map::new()),
                     it => mend("", it),
                 }
@@ -185,7 +185,7 @@ fn mend(name: &str, value: &mut Value) {
     }
 }
 
-/// Makes a list of numbers as long as it should be; one number stands for all of a scale or colour.
+/// Makes a list of numbers as long as it should be; a single number fills a scale or a colour.
 fn fill(name: &str, value: &mut Value, usual: &[f64]) {
     let said: Vec<Option<f64>> = match value {
         Value::Array(list) => list.iter().map(Value::as_f64).collect(),

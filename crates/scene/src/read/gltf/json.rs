@@ -37,7 +37,7 @@ pub(super) struct DocumentExtensions {
     pub(super) centre: Option<Centre>,
 }
 
-/// Where the places of a file count from.
+/// The origin of the places of a file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Centre {
@@ -45,8 +45,8 @@ pub(super) struct Centre {
 }
 
 impl Document {
-    /// Takes names that differ from those of glTF in capitals, or in a number, as meant; gives how
-    /// many there were.
+    /// Corrects names that differ from those of glTF in capitals, or in a number, and says how many
+    /// there were.
     pub(super) fn adopt_near_names(&mut self) -> usize {
         let mut adopted = 0;
         let parts = self.meshes.iter_mut().flat_map(|it| &mut it.primitives);
@@ -220,7 +220,7 @@ impl GltfAttributes {
         [position, normal, colour, uvs_0, uvs_1, uvs_2, uvs_3].map(Option::as_mut)
     }
 
-    /// Takes what stands under nearly the right name; gives of how many.
+    /// Uses what stands under nearly the right names, and says how many there were.
     fn adopt(&mut self) -> usize {
         let all = [
             (&mut self.position, self.near_position.take()),
@@ -366,7 +366,7 @@ impl GltfMaterial {
         said.map(|it| it / Brightness::of(said, 1.0).full())
     }
 
-    /// How the parts of its colour are taken.
+    /// How the parts of its colour are read.
     pub(super) fn taken(&self) -> Brightness {
         match self.is_light() {
             true => Brightness::of(self.emissive_factor.unwrap_or([0.0; 3]), 1.0),
@@ -402,7 +402,7 @@ impl GltfMaterial {
         factor.unwrap_or([1.0; 4])
     }
 
-    /// Whether it is half transparent, or has no more alpha than a picture's mask should leave.
+    /// Whether it is drawn opaque but should be half transparent, or cut out as a whole.
     pub(super) fn is_lost_alpha(&self) -> bool {
         match self.alpha_mode.as_deref() {
             Some("BLEND") => true,

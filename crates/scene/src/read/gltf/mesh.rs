@@ -419,7 +419,7 @@ impl MeshReader<'_> {
         let mut colours = self.accessors.rows::<4>(number, &[3, 4])?;
         let mut usual = self.accessors.full_light(number)?;
         let is_said = usual <= 1.0;
-        // Codes of sixteen bits may be such of fewer.
+        // Sixteen bits may hold codes of fewer bits.
         if let Some(full) = self.accessors.full_code(number) {
             usual = full;
             let code = |it: &mut f64| *it = (*it * full).round();

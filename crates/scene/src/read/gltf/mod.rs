@@ -238,7 +238,7 @@ fn materials(
     read
 }
 
-/// Says which factors are beyond what is white.
+/// Reports factors that are brighter than white.
 fn tell_of_brightness(document: &Document, scene: &mut SourceScene) {
     let all = document.materials.iter().zip(0..);
     let told = all.filter_map(|(it, number): (_, u32)| {
@@ -330,7 +330,7 @@ fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
     if let Some(centre) = &document.extensions.centre {
         let [x, y, z] = centre.center;
         scene.remark(format!(
-            "places count from {x}, {y}, {z} (CESIUM_RTC): all stands there"
+            "places count from {x}, {y}, {z} (CESIUM_RTC): everything is placed there"
         ));
     }
 }

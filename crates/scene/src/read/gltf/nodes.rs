@@ -191,7 +191,7 @@ fn walk(document: &Document, mends: &mut Mends) -> Result<(Placed, Vec<DAffine3>
     Ok((order, world_from_node))
 }
 
-/// Where all roots stand.
+/// Where all roots are placed.
 fn world_from_roots(document: &Document) -> DAffine3 {
     let centre = document.extensions.centre.as_ref();
     DAffine3::from_translation(centre.map_or(DVec3::ZERO, |it| it.center.into()))

@@ -1,4 +1,4 @@
-//! What of a file is half transparent, and drawn opaque all the same?
+//! Which parts of a file are half transparent, and drawn opaque all the same?
 
 use foveal_core::units::counted;
 
@@ -7,10 +7,10 @@ use super::super::text::shortened;
 use super::{PictureRows, may_have_alpha};
 use crate::source::SourceScene;
 
-/// Rows of a picture that are looked at together.
+/// Rows of a picture that are read together.
 const ROWS: u32 = 64;
 
-/// Says how many materials are half transparent, by their names.
+/// Reports how many materials are half transparent, given their names.
 pub(in crate::read) fn tell<'a>(mut names: impl Iterator<Item = &'a str>, scene: &mut SourceScene) {
     let Some(first) = names.next() else { return };
     let times = 1 + names.count();
@@ -22,7 +22,7 @@ pub(in crate::read) fn tell<'a>(mut names: impl Iterator<Item = &'a str>, scene:
     ));
 }
 
-/// Whether a picture has a texel that is not opaque; not of one that is broken.
+/// Whether a picture has a texel that is not opaque; false for a broken one.
 pub(in crate::read) fn is_seen_through(picture: &[u8]) -> bool {
     if !may_have_alpha(picture) {
         return false;

@@ -13,7 +13,7 @@ const HEADER_BYTES: [usize; 3] = [227, 235, 375];
 const RECORD_HEAD: usize = 54;
 /// And one behind the points with that many.
 const LATER_RECORD_HEAD: usize = 60;
-/// Stands for a number of points that nothing tells.
+/// Stands for an unknown number of points.
 const UNCOUNTED: u64 = u32::MAX as u64;
 /// Bits of the point format by which LASzip says that points are packed.
 const PACKED: u8 = 0xc0;
@@ -85,8 +85,7 @@ pub(super) struct LasHeader {
     pub(super) is_packed: bool,
     /// Bytes of a record.
     pub(super) record_bytes: usize,
-    /// Number of points that it says; of packed ones that it does not count, more than any file
-    /// has.
+    /// Number of points that it gives; more than any file has, if it does not count packed points.
     pub(super) count: u64,
     pub(super) is_counted: bool,
     /// Where the points begin, in bytes.
@@ -168,7 +167,7 @@ impl LasHeader {
                 };
                 let what = match of_echoes {
                     0 => "those of its chunks are shown".to_owned(),
-                    all => format!("the {all} of which it counts echoes are read"),
+                    all => format!("the {all} whose echoes it counts are read"),
                 };
                 mends.stale_count(format!("the header counts no points; {what}"));
                 count
@@ -204,8 +203,8 @@ impl LasHeader {
         Ok(count)
     }
 
-    /// A record that is shorter than its format asks for has one of these lengths wrong: the bytes
-    /// of all points tell which.
+    /// A record that is shorter than its format requires has one of these lengths wrong: the bytes
+    /// of all points show which.
     fn mend_record_bytes(&mut self, bytes: &[u8], minor: u8, mends: &mut LasMends) {
         let (said, least) = (self.record_bytes, self.layout.least_bytes);
         if said >= least || self.points_at > bytes.len() {
@@ -221,13 +220,13 @@ impl LasHeader {
         if self.is_packed || fits(least) {
             self.record_bytes = least;
             mends.stale_count(format!(
-                "a point is said to have {said} bytes, of at least {least}, which there are: \
-                 {least} are read"
+                "a point is said to have {said} bytes, but its format has at least {least}, and \
+                 there are as many: {least} are read"
             ));
         } else if let Some(shorter) = shorter.filter(|_| fits(said)) {
             self.layout = shorter;
             mends.stale_count(format!(
-                "a point has {said} bytes, of at least {least} of its format: it is read as one \
+                "a point has {said} bytes, but its format at least {least}: it is read as one \
                  of a format of {said} bytes"
             ));
         }

@@ -86,7 +86,7 @@ pub(super) fn read(
     let end = header.points_end.max(header.points_at).min(bytes.len());
     let (bytes_of_points, in_one) = (&bytes[..end], packing == Packing::One);
     if in_one && !header.is_counted {
-        let found = "the header counts no points, and nothing tells how many are packed".to_owned();
+        let found = "the header counts no points, and how many are packed is unknown".to_owned();
         return Err(Fault::Empty { found });
     }
     if !in_one {
@@ -283,11 +283,11 @@ impl Packed<'_> {
     }
 }
 
-/// Tells where chunks hold other points than the header counts.
+/// Reports where chunks hold another number of points than the header counts.
 fn tell_count(all: u64, header: &LasHeader, mends: &mut LasMends) {
     match all.cmp(&header.count) {
         Ordering::Less if !header.is_counted => mends.remark(
-            "nothing tells how many points the last chunk has: a few at its end may be missing"
+            "how many points the last chunk has is unknown: a few at its end may be missing"
                 .to_owned(),
         ),
         Ordering::Less => {

@@ -175,11 +175,11 @@ fn packed_points_that_are_there_come_whatever_is_counted() {
     let chunked = || file(&points(700), 2, (1, 2), true);
     let (found, told, repairs) = mended(&with_word(chunked(), 107, 5));
     assert_eq!((found, repairs.len()), (5, 1), "{told}");
-    // Echoes are counted beside points.
+    // Echoes are counted in addition to points.
     let uncounted = with_word(with_word(chunked(), 107, 0), 111, 700);
     let (found, told, repairs) = mended(&uncounted);
     assert_eq!((found, repairs), (700, counts(&[("stale_counts", 1)])));
-    assert!(told.contains("the 700 of which it counts echoes"), "{told}");
+    assert!(told.contains("the 700 whose echoes it counts"), "{told}");
     let without = (111..131).step_by(4);
     let without = without.fold(uncounted, |bytes, at| with_word(bytes, at, 0));
     let (found, told, _) = mended(&without);

@@ -9,7 +9,7 @@ const NONE: u32 = u32::MAX;
 /// Stands for one that nothing can have.
 const LOST: u32 = u32::MAX - 1;
 
-/// Stands for no place on a texture until all faces are read.
+/// Stands for missing texture coordinates until all faces are read.
 pub(super) const NO_UV: [f32; 2] = [f32::MAX; 2];
 
 /// What a corner of a face names, by numbers of lines.
@@ -26,7 +26,7 @@ pub(super) struct Corner {
 pub(super) struct FaceCorner([u32; 3]);
 
 impl FaceCorner {
-    /// Whether a number of it is none that there could be.
+    /// Whether one of its numbers cannot exist.
     pub(super) fn is_lost(self) -> bool {
         self.0.contains(&LOST)
     }

@@ -152,7 +152,7 @@ impl Reader<'_> {
         }
         match keyword {
             "usemtl" => {
-                // Some programs write so that there is none.
+                // Some programs write this where there is no material.
                 let name = words.rest();
                 let name = if name == "(null)" { "" } else { &name };
                 self.use_material(name)?;
@@ -169,7 +169,7 @@ impl Reader<'_> {
                 Ok(())
             }
             _ => {
-                // No program calls anything so: what is left of a merge, or of a page.
+                // No keyword begins so: the line is left over from a merge, or from a web page.
                 let is_word = keyword.starts_with(|it: char| it.is_alphabetic() || it == '#');
                 let at = words.line;
                 let is_broken = usize::from(!is_word && !keyword.starts_with("//"));
@@ -272,8 +272,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a word of a face that names no vertex, with the one before; `false` where a comment
-    /// begins.
+    /// Reads a word of a face that names no vertex, together with the word before. `false` where a
+    /// comment begins.
     fn read_odd_corner(
         &mut self,
         [before, word]: [&str; 2],
@@ -429,7 +429,7 @@ impl Reader<'_> {
             let what = format!("more than {MOST_LIBRARIES} files of materials are named");
             return Err(Fault::line(words.line, what));
         }
-        // Blanks may be of one name, or between several; quotes tell.
+        // Blanks may be part of one name, or separate several; quotes decide.
         match search::read(self.folder, &[words.rest_as_it_is(), &whole]) {
             Err(Fault::Missing { .. }) if whole.contains(' ') && !whole.starts_with('"') => {
                 for name in whole.split(' ').take(MOST_LIBRARIES) {
@@ -453,7 +453,7 @@ impl Reader<'_> {
             true => Ok(bytes),
             false => Err(Fault::Missing {
                 name: name.to_owned(),
-                reason: "it is no text".to_owned(),
+                reason: "it is not text".to_owned(),
             }),
         });
         match file {
@@ -464,7 +464,7 @@ impl Reader<'_> {
                 }
                 if materials == 0 && self.library.materials.is_empty() {
                     let name = shortened(name);
-                    let remark = format!("{name:?} says nothing of materials (no `newmtl`)");
+                    let remark = format!("{name:?} has no materials (no `newmtl`)");
                     self.scene.remark(remark);
                 }
             }

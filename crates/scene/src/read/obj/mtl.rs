@@ -23,7 +23,7 @@ pub(super) struct Library {
     pub(super) materials: HashMap<String, Material>,
     /// The pictures of materials, by name, and how they lie.
     pub(super) pictures: HashMap<String, MapOptions>,
-    /// The materials that a picture of their own makes half transparent (`map_d`).
+    /// The materials that a picture of alpha makes half transparent (`map_d`).
     pub(super) seen_through: HashSet<String>,
     pub(super) repairs: Repairs,
     /// What a person should know of materials.
@@ -39,7 +39,7 @@ struct Said {
     others: [Option<MapOptions>; 2],
     /// `Ke`, in linear light.
     emitted: [f32; 3],
-    /// How `Kd` is taken.
+    /// How `Kd` is read.
     taken: Option<Brightness>,
     /// `map_Kd`, and whether there is a `map_d`.
     picture: Option<MapOptions>,
@@ -56,7 +56,7 @@ pub(super) struct MapOptions {
     pub(super) scale: [f64; 2],
     pub(super) offset: [f64; 2],
     pub(super) clamps: bool,
-    /// Whether the picture is to be changed in ways that are not drawn.
+    /// Whether options change the picture in ways that are not drawn.
     is_changed: bool,
 }
 
@@ -252,20 +252,21 @@ impl Library {
     }
 }
 
-/// Whether bytes are a text: no packed file, picture or other.
+/// Whether bytes are text, and not an archive, a picture or the like.
 pub(super) fn is_text(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(1024)];
     !head.contains(&0)
 }
 
-/// What is alike in names that differ in capitals, blanks or what stands for these.
+/// A name in small letters, with single blanks, also for underscores: alike for names that differ
+/// only in these.
 pub(super) fn alike(name: &str) -> String {
     let signs = name.chars().map(|it| if it == '_' { ' ' } else { it });
     let plain: String = signs.flat_map(char::to_lowercase).collect();
     plain.split_ascii_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Linear light of sRGB from CIE XYZ, whose white is that of the day (IEC 61966-2-1).
+/// Linear light of sRGB from CIE XYZ, whose white is D65 (IEC 61966-2-1).
 fn light_from_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
     [
         3.2406 * x - 1.5372 * y - 0.4986 * z,

@@ -1,7 +1,7 @@
 //! Which colours did ZBrush paint on the vertices of an OBJ file?
 //!
-//! It writes them into comments, up to 64 in a line: `#MRGB` and for each vertex, in their order,
-//! eight hexadecimal digits of mask, red, green and blue.
+//! It writes them into comments, up to 64 in a line: `#MRGB`, then for each vertex in order eight
+//! hexadecimal digits of mask, red, green and blue.
 
 use super::super::colour::linear_from_encoded;
 use super::super::mends::{Mends, POLYPAINT_LENGTH};
@@ -15,7 +15,7 @@ const DIGITS: usize = 8;
 pub(super) struct Polypaint(Vec<[u8; 3]>);
 
 impl Polypaint {
-    /// Reads what stands behind `#MRGB`.
+    /// Reads what follows `#MRGB`.
     pub(super) fn read(&mut self, words: &mut Words<'_>) {
         while let Some(word) = words.next() {
             for digits in word.as_bytes().chunks_exact(DIGITS) {
@@ -31,7 +31,7 @@ impl Polypaint {
         self.0.is_empty()
     }
 
-    /// The colours of so many vertices, in linear light; those without one are white.
+    /// The colours of this many vertices, in linear light; vertices without one are white.
     pub(super) fn lights(&self, vertices: usize, mends: &mut Mends) -> Vec<[f32; 4]> {
         let is_other = usize::from(self.0.len() != vertices);
         let painted = self.0.len();

@@ -1,4 +1,4 @@
-//! What of the looks of an OBJ file is shown, once all of it was read?
+//! Which looks of an OBJ file are shown, once all of it is read?
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -8,12 +8,12 @@ use super::super::text::shortened;
 use super::Reader;
 use super::corners::NO_UV;
 
-/// Light of what is black, and of what is white.
+/// A part of a colour below this is black.
 const DARKEST: f32 = 1e-3;
 
 impl Reader<'_> {
-    /// Shows colours of vertices where a material would leave none of their light, and what was
-    /// painted where there are no others. Colours are as the file has them.
+    /// Shows colours of vertices where a black material would leave nothing of their light, and
+    /// painted colours where there are no others. Colours are as the file has them.
     pub(super) fn show_colours_on_black(&mut self) {
         let is_painted = self.place_colours.is_empty() && !self.polypaint.is_empty();
         let is_black = |it: &[f32; 4]| it[..3].iter().all(|part| *part < DARKEST);
@@ -55,7 +55,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Says which pictures lie on nothing, and what is drawn opaque.
+    /// Reports pictures without texture coordinates, and what is drawn opaque.
     pub(super) fn tell_what_is_not_shown(&mut self) {
         let mut used: BTreeMap<u32, usize> = BTreeMap::new();
         let is_bare = |vertex: &u32| {

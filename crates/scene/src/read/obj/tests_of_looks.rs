@@ -1,4 +1,4 @@
-//! Is what OBJ files say of looks shown, or told?
+//! Is what OBJ files say about looks shown, or reported?
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::super::files::Files;
 use super::read;
 use crate::source::SourceScene;
 
-/// A square of a material, with or without coordinates on its texture.
+/// A square of a material, with or without texture coordinates.
 fn square(name: &str, has_uvs: bool) -> String {
     let uvs = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
     let face = match has_uvs {
@@ -37,7 +37,7 @@ fn scene(obj: &str, mtl: &[u8]) -> SourceScene {
     read(obj.as_bytes(), "a", &mut Files(BTreeMap::from(files))).unwrap()
 }
 
-/// Asserts that something was mended so often, and told in these words.
+/// Asserts that something was mended this many times, and reported in these words.
 #[track_caller]
 fn assert_told(scene: &SourceScene, name: &str, times: u64, words: &str) {
     assert_eq!(
@@ -161,7 +161,7 @@ fn pictures_that_should_be_changed_are_told() {
 #[test]
 fn a_library_that_is_no_text_or_says_nothing_is_told() {
     let packed = scene(&square("m", false), b"PK\x03\x04\x14\0\0\0\x08\0");
-    assert_told(&packed, "material_files_missing", 1, "it is no text");
+    assert_told(&packed, "material_files_missing", 1, "it is not text");
     let page = scene(&square("m", false), b"<html>404</html>\n");
     assert!(page.remarks.iter().any(|it| it.contains("no `newmtl`")));
 }

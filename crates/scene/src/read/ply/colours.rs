@@ -40,7 +40,7 @@ enum Kind {
 
 /// Which part of a colour a property is, in lower case, and whether of a splat.
 fn part(name: &str) -> Option<(usize, bool)> {
-    // CloudCompare calls all numbers so that it does not know.
+    // CloudCompare gives this prefix to every property that it does not know.
     let part = match name.strip_prefix("scalar_").unwrap_or(name) {
         "red" | "r" | "diffuse_red" | "red_diffuse" => (0, false),
         "green" | "g" | "diffuse_green" | "green_diffuse" => (1, false),
@@ -122,12 +122,12 @@ impl ColourColumns {
             && element.properties.iter().any(is_colour)
     }
 
-    /// Whether red, green and blue are told.
+    /// Whether red, green and blue are given one by one.
     pub(super) fn is_parts(&self) -> bool {
         self.kind == Kind::Parts
     }
 
-    /// Whether one number tells of all parts of a colour.
+    /// Whether one number gives all parts of a colour.
     pub(super) fn is_packed(&self) -> bool {
         self.kind == Kind::Packed
     }

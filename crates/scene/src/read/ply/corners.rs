@@ -2,14 +2,14 @@
 
 use super::header::{Element, Property, Scalar};
 
-/// What lists of corners are called, also by other programs than those of Stanford.
+/// Names of lists of corners, also those that other programs write.
 const NAMES: [&str; 4] = [
     "vertex_indices",
     "vertex_index",
     "vertex_indexes",
     "vertices",
 ];
-/// What numbers of corners are called, with a number behind, and by themselves.
+/// Names of single corners: with a number after them, and by themselves.
 const NUMBERED: [&str; 5] = ["v", "vertex", "index", "p", "vertex_index"];
 const LETTERS: [&str; 7] = ["a", "b", "c", "d", "i", "j", "k"];
 
@@ -20,7 +20,7 @@ pub(super) struct Corners {
     pub(super) at: Option<usize>,
     /// Or a number for each.
     pub(super) scalars: Vec<usize>,
-    /// What the first is called.
+    /// The name of the first one.
     pub(super) name: String,
     pub(super) is_of_another_name: bool,
     /// The number of the material of the face.
@@ -28,8 +28,8 @@ pub(super) struct Corners {
 }
 
 impl Corners {
-    /// Those of an element: lists that the format, or other programs, call so, else the first list
-    /// of whole numbers, else numbers such as `v1`, `v2` and `v3`.
+    /// Those of an element: a list with one of the known names, else the first list of whole
+    /// numbers, else numbers such as `v1`, `v2` and `v3`.
     pub(super) fn of(element: &Element) -> Self {
         let list = |is_it: &dyn Fn(&str, Scalar) -> bool| {
             element.properties.iter().position(|it| match it {

@@ -86,7 +86,7 @@ struct Reader {
     /// Colours of materials that faces name.
     palette: Option<PlyColours>,
     polygons: Polygons,
-    /// The number of the first vertex, and the least and most that faces name.
+    /// The number of the first vertex, and the least and largest number that faces name.
     first: u32,
     named: Option<[u32; 2]>,
     /// The corners of the face that is being read.
@@ -114,9 +114,9 @@ fn slot(name: &str) -> Option<usize> {
 const SLOTS: usize = 6;
 
 impl Reader {
-    /// All elements that a header tells of.
+    /// All elements that a header lists.
     ///
-    /// Faces give the first vertex this number.
+    /// Faces call the first vertex by the number `first`.
     fn of(header: &PlyHeader, bytes: &[u8], first: u32) -> Result<Self, Fault> {
         let mut numbers = Numbers::of(header, bytes);
         let faces = header.elements.iter().filter(|it| is_face(it));
@@ -185,7 +185,7 @@ impl Reader {
         Ok(Some(other))
     }
 
-    /// Whether faces name the number of all vertices, and never 0.
+    /// Whether faces never name 0, and do name the number of vertices.
     fn counts_from_one(&self) -> bool {
         let vertices = self.mesh.positions.len();
         self.named
@@ -349,7 +349,7 @@ impl Reader {
         let palette = self.palette.take();
         let names = !faces.is_empty() && self.face_colours.is_none();
         if palette.is_some() != names {
-            let place = || "is one that no face names, or that is not there".to_owned();
+            let place = || "is one that no face names, or that does not exist".to_owned();
             self.mends.add(mends::PLY_MATERIALS, 1, place);
         }
         let colours = self
@@ -450,7 +450,7 @@ impl Reader {
                 (_, false) => self.add_face(&row),
             }
             let triangles = self.mesh.triangles.len();
-            // Triangles know their face, or what it names, by their material until all are cut.
+            // Until all are cut, the material of a triangle holds its face, or what the face names.
             if let Some(colours) = &mut colours {
                 let is_none = usize::from(!colours.add(colour));
                 self.mends
@@ -477,7 +477,7 @@ impl Reader {
         self.polygons.add(&mut self.mesh.triangles, &self.outline);
     }
 
-    /// The number from 0 of the vertex that a face names, or one that none has.
+    /// The number, from 0, of the vertex that a face names, or a number that no vertex has.
     fn corner(&mut self, said: f64) -> u32 {
         let number = vertex(said);
         let [least, most] = self.named.unwrap_or([number; 2]);

@@ -43,14 +43,14 @@ fn is_latin(bytes: &[u8]) -> bool {
     declaration.starts_with("<?xml") && known.iter().any(|it| declaration.contains(it))
 }
 
-/// The text of an XML document, and what was mended of it: bytes that are no UTF-8 are Latin-1, as
-/// old programs write that declare nothing or something else.
+/// The text of an XML document, and what was mended. Bytes that are not UTF-8 are read as Latin-1:
+/// old programs write that and declare nothing, or something else.
 pub(super) fn xml_text_of(bytes: &[u8]) -> Result<(Cow<'_, str>, Vec<String>), RigFault> {
     let mut notes = Vec::new();
     let begins = bytes.iter().find(|it| !it.is_ascii_whitespace());
     let text = match text_of(bytes) {
         Err(_) if begins == Some(&b'<') => {
-            notes.push("its text is no UTF-8 as it says: it is read as Latin-1".to_owned());
+            notes.push("its text is not UTF-8 as declared: it is read as Latin-1".to_owned());
             Cow::Owned(bytes.iter().map(|it| char::from(*it)).collect())
         }
         text => text?,
@@ -59,7 +59,7 @@ pub(super) fn xml_text_of(bytes: &[u8]) -> Result<(Cow<'_, str>, Vec<String>), R
     Ok((text, notes))
 }
 
-/// The same without what no document may hold; lines stay lines.
+/// The same without anything that no document may hold; lines stay lines.
 fn mended<'a>(text: Cow<'a, str>, notes: &mut Vec<String>) -> Cow<'a, str> {
     let is_odd = |it: char| it.is_control() && !it.is_whitespace();
     let begins_late =
@@ -72,7 +72,7 @@ fn mended<'a>(text: Cow<'a, str>, notes: &mut Vec<String>) -> Cow<'a, str> {
     let mut text = text.into_owned();
     if let Some(first) = bare.first() {
         notes.push(format!(
-            "{} without an entity behind, taken as it stands, the first in line {}",
+            "{} without an entity, read as written, the first in line {}",
             counted(bare.len() as u64, "ampersand"),
             line_number(&text, *first)
         ));
@@ -94,8 +94,8 @@ fn mended<'a>(text: Cow<'a, str>, notes: &mut Vec<String>) -> Cow<'a, str> {
     Cow::Owned(text)
 }
 
-/// Where an `&` stands that begins none of the entities that every document has, outside of
-/// sections that are taken as they stand.
+/// Where an `&` begins none of the entities that every document has. None in a document with
+/// entities or raw sections of its own.
 fn bare_ampersands(text: &str) -> Vec<usize> {
     let begins_entity = |rest: &str| {
         let name = rest

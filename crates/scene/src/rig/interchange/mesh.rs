@@ -2,8 +2,8 @@
 //!
 //! Bourke's text: the type of picture it is for, columns and rows of nodes, and for each node, row
 //! by row, x and y on the display (x in half heights), u and v in the picture, both up, and the
-//! share of light i, below 0 where nothing is drawn. Other programs write i from 0 to 255, and what
-//! is no number where nothing is drawn.
+//! share of light i, below 0 where nothing is drawn. Other programs write i from 0 to 255, and
+//! words that are not numbers where nothing is drawn.
 
 use foveal_core::units::counted;
 use foveal_core::view::axes::Axes;
@@ -27,15 +27,15 @@ const MOST_NODES: usize = 1 << 20;
 const MOST_COVERED: u64 = 64;
 /// Largest number of a node.
 const LARGEST: f64 = 1e5;
-/// Largest place of a node in the picture that is a share of its width or height: others count
+/// Largest place of a node in the picture that is a share of its width or height; larger ones count
 /// pixels.
 const MOST_SHARE: f64 = 2.0;
-/// Largest share of light that is one, and what programs write for all light that count it.
+/// Largest number that is a share of light, and what other programs write for full light.
 const MOST_LIGHT: f64 = 2.0;
 const ALL_LIGHT: [f64; 2] = [255.0, 65_535.0];
 const PERCENT: f64 = 100.0;
-/// Width and height of the screen that the picture fills, in distances from the eye. Nothing tells
-/// how large it looks.
+/// Width and height of the screen that the picture fills, in distances from the eye. How large it
+/// looks is unknown.
 const SCREEN: [f64; 2] = [1.0; 2];
 
 /// A node: where on the display, where in the picture, and how bright.
@@ -47,7 +47,7 @@ struct MeshNode {
     light: f64,
 }
 
-/// A share of light that says that nothing is drawn.
+/// The share of light where nothing is drawn.
 const UNLIT: f64 = -1.0;
 
 impl MeshNode {
@@ -62,7 +62,7 @@ impl MeshNode {
             line,
             at: [five[0], five[1]],
             shows: [five[2], five[3]],
-            // What has any that is none is not drawn.
+            // A node with a value that is not a number is not drawn.
             light: match five.get(4) {
                 _ if !is_number => f64::NAN,
                 light => light.copied().unwrap_or(1.0),
@@ -76,7 +76,7 @@ impl MeshNode {
 }
 
 impl Default for MeshNode {
-    /// One where nothing is drawn.
+    /// A node where nothing is drawn.
     fn default() -> Self {
         Self {
             line: 0,
@@ -161,7 +161,7 @@ fn without_comment(line: &str) -> &str {
     }
 }
 
-/// Whether a line names what stands in columns below it.
+/// Whether a line names the columns below it.
 fn is_heading(line: &str) -> bool {
     let words = words(line, 8);
     let is_name = |it: &&str| {
@@ -183,8 +183,8 @@ fn is_heading(line: &str) -> bool {
     !words.is_empty() && words.iter().all(is_name)
 }
 
-/// The words of a line, parted by blanks, or by commas or semicolons where these make as many as
-/// there are to be at most; one more where there are more.
+/// The words of a line, separated by blanks, or by commas or semicolons where a word ends in one or
+/// blanks separate nothing. At most one more than `most`.
 fn words(line: &str, most: usize) -> Vec<&str> {
     let of = |parts: &[char]| -> Vec<&str> {
         let is_end = |it: char| it.is_whitespace() || parts.contains(&it);
@@ -206,7 +206,7 @@ fn number(word: &&str) -> Option<f64> {
         .ok()
 }
 
-/// The numbers of the next line, which is to be so many.
+/// The numbers of the next line, whose count must be in `counts`.
 fn next_numbers<'a>(
     lines: &mut impl Iterator<Item = (usize, &'a str)>,
     what: &str,
@@ -257,12 +257,12 @@ impl WarpMesh {
             (count > 0).then(|| format!("nothing is drawn at {found} {which}"))
         };
         let without = nodes.iter().filter(|it| !it.is_number()).count();
-        notes.extend(unlit(without, "with what is no number"));
+        notes.extend(unlit(without, "with a value that is not a number"));
         let missing = columns * rows - nodes.len();
-        notes.extend(unlit(missing, "that the file lacks at its end"));
+        notes.extend(unlit(missing, "missing at the end of the file"));
         nodes.resize(columns * rows, MeshNode::default());
         notes.extend(lines.next().map(|(line, _)| {
-            format!("line {line} and what follows lie behind the nodes and are not read")
+            format!("line {line} and what follows come after the nodes and are not read")
         }));
         let mut mesh = Self { columns, nodes };
         mesh.check_places()?;
@@ -274,15 +274,15 @@ impl WarpMesh {
         self.nodes.iter().filter(|it| it.light >= 0.0)
     }
 
-    /// Refuses places that are pixels of a picture: nothing tells how many it has.
+    /// Refuses places in pixels of a picture, whose size is unknown.
     fn check_places(&self) -> Result<(), RigFault> {
         let reach = |k: usize| self.lit().map(|it| it.shows[k].abs()).fold(0.0, f64::max);
         let [u, v] = [0, 1].map(reach);
         match u.max(v) > MOST_SHARE {
             true => {
                 let what = format!(
-                    "u reaches {u} and v {v}, as pixels of a picture do whose size the file does \
-                     not tell: divide them by its width and height"
+                    "u reaches {u} and v {v}, as pixels of a picture do, whose size is unknown: \
+                     divide them by its width and height"
                 );
                 Err(RigFault::new("", what, NEXT))
             }
@@ -290,7 +290,7 @@ impl WarpMesh {
         }
     }
 
-    /// Makes shares of light of what a program counts in another unit, and says so.
+    /// Converts light in other units to shares, and says so.
     fn level_light(&mut self) -> Option<String> {
         let most = self.lit().map(|it| it.light).fold(0.0, f64::max);
         if most <= 1.0 {
@@ -298,7 +298,7 @@ impl WarpMesh {
         }
         if most <= MOST_LIGHT {
             return Some(format!(
-                "its light reaches {most}: what is above 1 is taken for 1"
+                "its light reaches {most}: values above 1 are treated as 1"
             ));
         }
         let all = match most == PERCENT {
@@ -310,7 +310,7 @@ impl WarpMesh {
         };
         self.nodes.iter_mut().for_each(|it| it.light /= all);
         Some(format!(
-            "its light reaches {most}, where 1 would be all: it is divided by {all}"
+            "its light reaches {most}, where 1 is full light: it is divided by {all}"
         ))
     }
 

@@ -134,7 +134,7 @@ struct MpcdiRegion<'a> {
     aspect: f64,
     /// Columns and rows of the buffer, where it gives them.
     buffer: Option<[f64; 2]>,
-    /// What of it was mended, for people.
+    /// What was mended, in words.
     notes: Vec<String>,
 }
 
@@ -300,8 +300,8 @@ impl<'a> MpcdiDocument<'a> {
         })
     }
 
-    /// Whether files are of the region of an id but for the case of letters and blanks in it, and
-    /// no region is called as they say.
+    /// Whether files name the region with this id except for case and blanks, and no region has the
+    /// very name that they give.
     fn means(&self, set: XmlElement<'_>, id: Option<&str>) -> bool {
         let plain = |name: &str| -> String {
             let letters = name.chars().filter(|it| !it.is_whitespace());
@@ -314,7 +314,7 @@ impl<'a> MpcdiDocument<'a> {
         !self.regions.iter().any(is_own) && plain(said) == plain(id)
     }
 
-    /// What is odd about the regions that files say they are of.
+    /// What is odd about the regions that files name.
     fn note_filesets(&self, notes: &mut Vec<String>) {
         let taken: Vec<_> = self.regions.iter().map(|it| self.files_of(it)).collect();
         for set in self.root.all_within("fileset") {
@@ -322,12 +322,12 @@ impl<'a> MpcdiDocument<'a> {
             let by = taken.iter().position(|it| it.is_some_and(|it| it.is(set)));
             match by.map(|at| self.regions[at].element.attribute("id").unwrap_or_default()) {
                 Some(id) if said != id && !said.is_empty() => {
-                    notes.push(format!("the files of region {said:?} are taken for {id:?}"));
+                    notes.push(format!("the files of region {said:?} are used for {id:?}"));
                 }
                 Some(_) => {}
                 None => notes.push(format!(
-                    "the files of region {said:?} are left out: no region is called so, or others \
-                     of its name come before"
+                    "the files of region {said:?} are left out: no region has this name, or other \
+                     files of it come before"
                 )),
             }
         }
@@ -383,7 +383,7 @@ impl<'a> MpcdiRegion<'a> {
         let mut count = |it: XmlElement<'_>, name: &str, of: &str| {
             let found = number(it, name)?;
             if found == Some(0.0) {
-                notes.push(format!("0 as the {name} of {of} is taken for not told"));
+                notes.push(format!("0 as the {name} of {of} is treated as missing"));
             }
             Ok(found.filter(|it| *it != 0.0))
         };
@@ -397,7 +397,7 @@ impl<'a> MpcdiRegion<'a> {
         ];
         let (part, counts_pixels) = Self::part_of(element, whole)?;
         if counts_pixels {
-            notes.push("its place counts pixels: it is divided by those of the buffer".to_owned());
+            notes.push("its place counts pixels: it is divided by the buffer's size".to_owned());
         }
         let mut size = [0; 2];
         for (k, name) in ["xResolution", "yResolution"].into_iter().enumerate() {
@@ -442,7 +442,7 @@ impl<'a> MpcdiRegion<'a> {
         })
     }
 
-    /// Left, lower edge, width and height of a region as shares of a buffer of so many columns and
+    /// Left, lower edge, width and height of a region as shares of a buffer with these columns and
     /// rows, and whether the file counts pixels.
     fn part_of(
         element: XmlElement<'_>,
@@ -456,7 +456,7 @@ impl<'a> MpcdiRegion<'a> {
         let of = [whole[0], whole[1], whole[0], whole[1]];
         let are_known = whole.iter().all(|it| it.is_some());
         let is_more = |it: &Option<f64>| it.is_some_and(|it| it > 1.0 + ROUNDED);
-        // Some tell the size in pixels, and where it lies as a share.
+        // Some files give the size in pixels, and the place as a share.
         let counts_pixels = are_known && said[2..].iter().any(is_more);
         let counts_places = counts_pixels && said[..2].iter().any(is_more);
         let counted = [counts_places, counts_places, counts_pixels, counts_pixels];
@@ -468,7 +468,7 @@ impl<'a> MpcdiRegion<'a> {
                 None => said,
             };
             if !(-ROUNDED..=1.0 + ROUNDED).contains(&part[k]) {
-                let what = format!("{said} is no share of 0 to 1");
+                let what = format!("{said} is not a share from 0 to 1");
                 return Err(element.fault(name, what));
             }
             part[k] = part[k].clamp(0.0, 1.0);

@@ -132,7 +132,7 @@ impl<'a> MpcdiFilling<'a> {
         ));
     }
 
-    /// What a float map tells, of shares of a panel or of points.
+    /// What a float map holds: shares of a panel, or points.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,

@@ -357,7 +357,7 @@ fn wrong_documents() -> [WrongDocument; 15] {
         ),
         (
             sound.replace("y=\"0\"", "y=\"2\""),
-            &["line 4", "y", "no share of 0 to 1"],
+            &["line 4", "y", "not a share from 0 to 1"],
         ),
         (
             sound.replace("\"8\"", "\"8.5\""),

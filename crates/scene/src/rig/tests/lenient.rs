@@ -1,9 +1,9 @@
-//! Is an MPCDI that breaks its rules in places read as it was meant, and is that told?
+//! Is an MPCDI that breaks a few rules read as it was meant, and is that reported?
 
 use super::super::interchange::mpcdi;
 use super::foreign::{FRUSTUM, SET, as_is, document, noted, warp, zipped};
 
-/// The document with its map, and what is told of it.
+/// What a document with its map becomes, and the notes about it.
 fn told(text: &[u8], map: &[u8]) -> Result<mpcdi::MpcdiRig, String> {
     noted(&zipped(&[("mpcdi.xml", text), ("a.pfm", map)]), None)
 }
@@ -13,7 +13,8 @@ fn usual() -> String {
     document(FRUSTUM, &format!("<files>{SET}</files>"))
 }
 
-/// Whether a document and a map are read as the usual ones, with one remark that has these words.
+/// Asserts that a document and a map are read as the usual ones, with one note that has these
+/// words.
 fn assert_mended(text: &[u8], map: &[u8], words: &str) {
     let expected = told(usual().as_bytes(), &warp(as_is)).unwrap();
     assert!(expected.notes.is_empty(), "{:?}", expected.notes);
@@ -30,10 +31,10 @@ fn files_of_a_region_that_is_called_so_in_other_letters_are_its_own() {
         let text = usual().replace("region=\"a\"", &format!("region=\"{name}\""));
         match name.trim_matches(' ') {
             "a" => assert!(told(text.as_bytes(), &map).unwrap().notes.is_empty()),
-            _ => assert_mended(text.as_bytes(), &map, "are taken for \"a\""),
+            _ => assert_mended(text.as_bytes(), &map, "are used for \"a\""),
         }
     }
-    // Files of none are told, and so is the region that has none then.
+    // Files of an unknown region are reported, and so is the region left without files.
     let text = usual().replace("region=\"a\"", "region=\"zz\"");
     let found = told(text.as_bytes(), &map).unwrap();
     assert!(
@@ -51,7 +52,7 @@ fn files_of_a_region_that_is_called_so_in_other_letters_are_its_own() {
     );
     let found = told(two.as_bytes(), &map).unwrap();
     let all = found.notes.join("\n");
-    // The other one's files are not its own, and it is told to have none.
+    // The files of the other region are not its own: it is reported to have none.
     assert!(found.rig.panels[1].distortion.is_none(), "{all}");
     assert!(all.contains("has no files"), "{all}");
 }
@@ -69,10 +70,10 @@ fn a_document_with_marks_that_break_xml_is_read_and_told() {
     mend(named("a\u{1}b"), "1 control character");
     let latin: Vec<u8> = named("W\u{e4}nde").chars().map(|it| it as u8).collect();
     assert_mended(&latin, &map, "Latin-1");
-    // Sound entities are no fault.
+    // Valid entities need no mend.
     let sound = named("a &lt; &#x41; &amp; b");
     assert!(told(sound.as_bytes(), &map).unwrap().notes.is_empty());
-    // A fault is told in its own line.
+    // A fault is reported with its own line.
     let broken = format!("\n\n{}", text.replace("xSize=\"1\"", "xSize=\"-7\""));
     let error = told(broken.as_bytes(), &map).unwrap_err();
     assert!(
@@ -122,8 +123,8 @@ fn changed(change: impl Fn(usize, [f32; 3]) -> [f32; 3]) -> Vec<u8> {
 fn float_maps_with_unlit_nodes_pixels_or_more_behind_them_are_read() {
     let text = usual();
     let behind = [warp(as_is), vec![0; 7]].concat();
-    assert_mended(text.as_bytes(), &behind, "7 bytes behind its floats");
-    // The first two nodes are unlit, whatever stands for that.
+    assert_mended(text.as_bytes(), &behind, "7 bytes after its floats");
+    // The first two nodes are unlit, however that is written.
     let unlit = |none: [f32; 3]| changed(move |at, own| if at < 2 { none } else { own });
     let expected = told(text.as_bytes(), &unlit([f32::NAN; 3])).unwrap();
     for none in [[-1.0; 3], [0.0; 3], [f32::NAN, 0.5, 0.0]] {
@@ -165,8 +166,8 @@ fn float_maps_with_unlit_nodes_pixels_or_more_behind_them_are_read() {
         (own[0] - wanted[0]).hypot(own[1] - wanted[1]) < 1e-4,
         "{own:?} {wanted:?}"
     );
-    // Pixels of something else.
+    // Pixels of another picture.
     let far = changed(|_, [x, y, z]| [x * 1920.0, y * 1080.0, z]);
     let error = told(text.as_bytes(), &far).unwrap_err();
-    assert!(error.contains("these are no pixels of 8 x 6"), "{error}");
+    assert!(error.contains("these are not pixels of 8 x 6"), "{error}");
 }

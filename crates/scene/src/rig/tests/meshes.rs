@@ -190,7 +190,7 @@ fn however_a_program_wrote_the_lines_it_is_the_same_mesh() {
     let (_, notes) = mesh::read(format!("{sound}1 2 3 4 5\n").as_bytes()).unwrap();
     assert_eq!(
         notes,
-        ["line 23 and what follows lie behind the nodes and are not read"]
+        ["line 23 and what follows come after the nodes and are not read"]
     );
 }
 
@@ -233,7 +233,7 @@ fn what_is_lit_of_a_mesh_with_holes_is_drawn_and_told() {
         assert_eq!(shown(&rig, [100, 1000]), None, "{node}");
         assert!(shown(&rig, [900, 100]).is_some(), "{node}");
         assert!(
-            notes[0].contains("1 node with what is no number"),
+            notes[0].contains("1 node with a value that is not a number"),
             "{notes:?}"
         );
     }
@@ -243,7 +243,7 @@ fn what_is_lit_of_a_mesh_with_holes_is_drawn_and_told() {
         let (rig, notes) = noted(&whole[..whole.len() - cut]);
         assert!(shown(&rig, [100, 1000]).is_some());
         assert!(
-            cut < 9 || notes[0].contains("lacks at its end"),
+            cut < 9 || notes[0].contains("missing at the end of the file"),
             "{cut} {notes:?}"
         );
     }

@@ -39,8 +39,8 @@ struct Shown {
     room: Radians,
     /// The glance that it was chosen for, where nothing else counts.
     chosen_for: Option<Glance>,
-    /// What was shown through other views, from which the head turned too far for one to serve
-    /// while the eye stayed: it stays beside what is chosen.
+    /// What was shown through other views while the eye stayed, once the head turned too far for
+    /// one view to serve. It is kept in addition to what is chosen.
     floor: Option<LevelMap>,
 }
 
@@ -161,7 +161,7 @@ impl SteadySelector {
         levels
     }
 
-    /// What stays beside what is chosen while the eye stays and the head turns far.
+    /// What is kept in addition to what is chosen while the eye stays and the head turns far.
     fn floor(&self, glance: &Glance) -> Option<LevelMap> {
         let grid = self.exact.grid();
         let was = self.before.as_ref().filter(|_| self.keeps_view)?;

@@ -49,8 +49,8 @@ pub(super) fn stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) 
     )
 }
 
-/// The same however far the head turns: then levels are chosen for where it points, and what was
-/// chosen for the gaze before stays beside them.
+/// The same however far the head turns. Levels are then chosen for where it points, and those
+/// chosen for the gaze before are kept as well.
 pub(super) fn gaze_stays(grid: &TileGrid, was: &Glance, is: &Glance, slack: Radians) -> bool {
     stays_within(grid, (was, is), slack, Radians(core::f64::consts::PI))
 }

@@ -79,8 +79,8 @@ struct Chosen {
     group: UnitId,
     step: u32,
     needed: LevelMap,
-    /// Under `perceptual`: what was shown through other views, from which the head turned too far
-    /// for one to serve while the eye stayed.
+    /// Under `perceptual`: what was shown through other views while the eye stayed, once the head
+    /// turned too far for one view to serve.
     floor: Option<LevelMap>,
 }
 
@@ -202,8 +202,8 @@ impl TargetSelector {
         needed
     }
 
-    /// What stays beside what is chosen while the eye stays and the head turns far; the rule of
-    /// `acuity` has its own.
+    /// What is kept in addition to what is chosen while the eye stays and the head turns far. The
+    /// rule of `acuity` has its own.
     fn floor(&self, glance: &Glance) -> Option<LevelMap> {
         let was = self.before.as_ref().filter(|_| self.rule.is_none())?;
         let slack = self.config.steadiness;

@@ -1,4 +1,4 @@
-//! Is what other readers take taken too, and told?
+//! Does the reader accept what other readers accept, and report it?
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ fn changed(change: impl Fn(&mut Made)) -> SourceScene {
     scene(&made)
 }
 
-/// Asserts that a scene shows the square, and tells of one mend.
+/// Asserts that a scene shows the square, and reports one mend.
 #[track_caller]
 fn assert_square(scene: &SourceScene, name: &str) {
     let mesh = &scene.meshes[0];
@@ -30,7 +30,7 @@ fn assert_square(scene: &SourceScene, name: &str) {
     assert_eq!(scene.remarks.len(), 1, "{:?}", scene.remarks);
 }
 
-/// Puts other positions in place of those of the square.
+/// Replaces the positions of the square.
 fn with_positions(made: &mut Made, component: u32, bytes: &[u8]) {
     let positions = made.accessor(component, "VEC3", 4, bytes);
     made.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(positions);
@@ -83,7 +83,7 @@ fn names_that_are_nearly_right_are_taken() {
     let told = changed(rename);
     assert_square(&told, "json_mended");
     assert_eq!(told.repairs["json_mended"], 2);
-    // What has its own name stays.
+    // A member with the right name stays.
     let both = |made: &mut Made| {
         made.json["meshes"][0]["primitives"][0]["attributes"]["position"] = json!(1);
     };
@@ -109,7 +109,7 @@ fn json_of_other_kinds_than_gltf_has_is_taken() {
         let place = told.objects[0].placements[0];
         assert_eq!(place, glam::DAffine3::IDENTITY, "change {number}");
     }
-    // Of doubled members the last counts.
+    // If a member is given twice, the last one counts.
     let made = Made::square();
     let text = made.gltf("a.bin");
     let text = String::from_utf8(text).unwrap();
