@@ -80,8 +80,8 @@ pub(crate) struct Beginning {
 }
 
 impl Beginning {
-    /// Takes note of a packet that is to be shown, and where it lies. The error says that there were
-    /// too many without a frame.
+    /// Takes note of a packet that is to be shown, and where it lies. The error says that there
+    /// were too many without a frame.
     pub(crate) fn fed(&mut self, place: Place, at: i64) -> Result<(), String> {
         match self.first {
             None if self.early.len() >= MOST_EARLY => {
@@ -100,8 +100,8 @@ impl Beginning {
         Ok(())
     }
 
-    /// Takes note of a packet that has no stamp in a stream with stamps, or that of the first frame,
-    /// whose own it is not.
+    /// Takes note of a packet that has no stamp in a stream with stamps, or that of the first
+    /// frame, whose own it is not.
     fn note_untold(&mut self, (place, at): (Place, i64), first: Place) {
         let is_untold = matches!((place, first), (Place::Byte(_), Place::Stamp(_)));
         let is_same = place == first && place != Place::Unknown;
