@@ -95,7 +95,7 @@ impl SourceScene {
         let missing = self.repairs.entry("missing_images".to_owned()).or_default();
         *missing += 1;
         if *missing <= MOST_MISSING_NAMED {
-            let name = name.chars().take(80).collect::<String>();
+            let name = one_line(&name.chars().take(80).collect::<String>());
             self.remark(format!(
                 "the picture \"{name}\" is missing: {reason}; surfaces have their colour alone"
             ));

@@ -409,7 +409,8 @@ impl FrameReader {
             self.beginning.opens();
         }
         if !is_discarded(packet) {
-            self.beginning.fed(place).map_err(Break::Fails)?;
+            let at = packet.position() as i64;
+            self.beginning.fed(place, at).map_err(Break::Fails)?;
         }
         if let Some(stamp) = stamp.filter(|it| self.last_packet.is_none_or(|(last, _)| *it > last))
         {

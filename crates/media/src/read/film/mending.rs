@@ -65,12 +65,13 @@ impl Place {
 /// The packets round the first frame.
 #[derive(Default)]
 pub(crate) struct Beginning {
-    /// Packets before the first frame came out.
-    early: Vec<Place>,
-    /// The first frame, once it came out.
+    /// Packets before the first frame came out, and where each lies in the file.
+    early: Vec<(Place, i64)>,
+    /// The first frame, once it came out, and where its packet lies; -1 where nothing tells.
     first: Option<Place>,
+    first_at: i64,
     late: u32,
-    /// Where packets without stamps lie whose frames have not come out.
+    /// Where packets lie whose stamps tell nothing and whose frames have not come out.
     untold: Vec<i64>,
     /// Whether the first packet leans on others, which are gone.
     is_open: bool,
@@ -79,19 +80,19 @@ pub(crate) struct Beginning {
 }
 
 impl Beginning {
-    /// Takes note of a packet that is to be shown. The error says that there were too many without
-    /// a frame.
-    pub(crate) fn fed(&mut self, place: Place) -> Result<(), String> {
+    /// Takes note of a packet that is to be shown, and where it lies. The error says that there
+    /// were too many without a frame.
+    pub(crate) fn fed(&mut self, place: Place, at: i64) -> Result<(), String> {
         match self.first {
             None if self.early.len() >= MOST_EARLY => {
                 return Err(format!(
                     "none of its first {MOST_EARLY} packets can be decoded"
                 ));
             }
-            None => self.early.push(place),
+            None => self.early.push((place, at)),
             Some(first) if self.late < MOST_LATE => {
                 self.late += 1;
-                self.note_untold(place, first);
+                self.note_untold((place, at), first);
                 self.dropped += u64::from(place.is_before(first));
             }
             Some(_) => {}
@@ -99,9 +100,12 @@ impl Beginning {
         Ok(())
     }
 
-    /// Takes note of a packet without a stamp in a stream that has stamps.
-    fn note_untold(&mut self, place: Place, first: Place) {
-        if let (Place::Byte(at), Place::Stamp(_)) = (place, first) {
+    /// Takes note of a packet that has no stamp in a stream with stamps, or that of the first
+    /// frame, whose own it is not.
+    fn note_untold(&mut self, (place, at): (Place, i64), first: Place) {
+        let is_untold = matches!((place, first), (Place::Byte(_), Place::Stamp(_)));
+        let is_same = place == first && place != Place::Unknown;
+        if at >= 0 && (is_untold || is_same && self.first_at >= 0 && at != self.first_at) {
             self.untold.push(at);
         }
     }
@@ -131,10 +135,11 @@ impl Beginning {
                 (known, _) => known,
             };
             let early = std::mem::take(&mut self.early);
-            let before = early.iter().filter(|place| place.is_before(first));
+            let before = early.iter().filter(|(place, _)| place.is_before(first));
             self.dropped = before.count() as u64;
-            for place in early {
-                self.note_untold(place, first);
+            self.first_at = at;
+            for packet in early {
+                self.note_untold(packet, first);
             }
             self.first = Some(first);
         }

@@ -300,18 +300,18 @@ impl<'a> MpcdiDocument<'a> {
         })
     }
 
-    /// Whether files name the region with this id except for case and blanks, and no region has the
-    /// very name that they give.
-    fn means(&self, set: XmlElement<'_>, id: Option<&str>) -> bool {
-        let plain = |name: &str| -> String {
-            let letters = name.chars().filter(|it| !it.is_whitespace());
-            letters.flat_map(char::to_lowercase).collect()
-        };
+    /// Whether files are of the region of an id but for the case of letters and blanks in it, and
+    /// no region is called as they say.
+    fn means(&self, set: XmlElement<'a>, id: Option<&'a str>) -> bool {
         let Some((said, id)) = set.attribute("region").zip(id) else {
             return false;
         };
+        let plain = |name: &'a str| {
+            let letters = name.chars().filter(|it| !it.is_whitespace());
+            letters.flat_map(char::to_lowercase)
+        };
         let is_own = |it: &MpcdiRegion<'_>| it.element.attribute("id") == Some(said);
-        !self.regions.iter().any(is_own) && plain(said) == plain(id)
+        plain(said).eq(plain(id)) && !self.regions.iter().any(is_own)
     }
 
     /// What is odd about the regions that files name.
