@@ -1,9 +1,9 @@
 //! How does JSON become a document if its members are of other kinds than glTF allows?
 //!
-//! Only text that is still not glTF after it was mended comes here. If a member is given twice, the
-//! last one counts, as in JavaScript. Numbers missing from a list of fixed length have the values
-//! that they would have without the list. An empty list is an empty object where an object is
-//! required. What still cannot be read is left out by itself: a material, a node, an accessor.
+//! Only what is still no glTF after its text was mended comes here. Of doubled members the last
+//! counts, as in JavaScript; what is missing in a list of fixed length is what it would be without
+//! the list; an empty list is an empty object where one is asked for. What cannot be read after
+//! that is left out by itself: a member, else a material, a node, an accessor.
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -38,6 +38,10 @@ const OBJECTS: [&str; 12] = [
 ];
 /// Members that are lists of numbers that name something.
 const NAMING: [&str; 3] = ["children", "joints", "nodes"];
+/// Lists of what numbers are made of: a part of what says where they are may be any.
+const NUMBERS: [&str; 3] = ["accessors", "bufferViews", "buffers"];
+/// Members that are lists of objects.
+const LISTED: [&str; 2] = ["primitives", "targets"];
 /// Members that are texts.
 const TEXTS: [&str; 6] = ["name", "uri", "type", "alphaMode", "mimeType", "filter"];
 /// Kinds of numbers by the names that OpenGL gives them.
@@ -125,11 +129,21 @@ fn one<'a, T: Deserialize<'a> + Default>(
     }
     *mended += 1;
     mend(name, &mut value);
+    // What is wrong with one member leaves the others, but of lists of numbers.
+    if let (Value::Object(members), false) = (&mut value, NUMBERS.contains(&name)) {
+        members.retain(|name, it| {
+            let alone = Map::from_iter([(name.clone(), it.clone())]);
+            T::deserialize(Value::Object(alone)).is_ok()
+        });
+    }
     T::deserialize(value).unwrap_or_default()
 }
 
 /// Mends the value of a member, and everything within it.
 fn mend(name: &str, value: &mut Value) {
+    if LISTED.contains(&name) && value.is_object() {
+        *value = Value::Array(vec![value.take()]);
+    }
     if let Value::Object(members) = value {
         members.retain(|_, it| !it.is_null());
         let is_scaled = name == "KHR_texture_transform";
@@ -228,6 +242,10 @@ mod tests {
                 json!({"KHR_texture_transform": {"scale": [2.0, 1.0], "rotation": 1.5}}),
             ),
             (
+                json!({"primitives": {"mode": "triangles"}}),
+                json!({"primitives": [{"mode": 4}]}),
+            ),
+            (
                 json!({"mode": "triangles", "componentType": "FLOAT"}),
                 json!({"mode": 4, "componentType": 5126}),
             ),
@@ -240,11 +258,13 @@ mod tests {
 
     #[test]
     fn one_of_a_list_that_cannot_be_read_leaves_the_others() {
-        let text = br#"{"scene": 0, "scene": 1, "nodes": [{"mesh": []}, {"mesh": 3}, null]}"#;
+        let text = br#"{"materials": [{"doubleSided": "yes", "alphaCutoff": 0.25}],
+            "scene": 0, "scene": 1, "nodes": [{"mesh": []}, {"mesh": 3}, null]}"#;
         let (document, mended) = fitted(text).unwrap();
         assert_eq!(document.scene, Some(1));
         let meshes: Vec<_> = document.nodes.iter().map(|it| it.mesh).collect();
-        assert_eq!((meshes, mended), (vec![None, Some(3), None], 2));
+        assert_eq!((meshes, mended), (vec![None, Some(3), None], 3));
+        assert_eq!(document.materials[0].alpha_cutoff, Some(0.25));
         for none in [&b"[]"[..], b"{", br#"{"nodes": {"0": {}}}"#] {
             assert!(fitted(none).is_none());
         }

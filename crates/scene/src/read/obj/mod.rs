@@ -90,7 +90,7 @@ struct Reader<'a> {
     folder: &'a mut dyn Folder,
 }
 
-/// Each costs a search on the disk; exporters write one.
+/// Exporters write one.
 const MOST_LIBRARIES: usize = 256;
 /// Stands for no colour until all are read.
 const UNSAID: [f32; 4] = [-1.0; 4];
@@ -152,7 +152,6 @@ impl Reader<'_> {
         }
         match keyword {
             "usemtl" => {
-                // Some programs write this where there is no material.
                 let name = words.rest();
                 let name = if name == "(null)" { "" } else { &name };
                 self.use_material(name)?;
@@ -169,12 +168,10 @@ impl Reader<'_> {
                 Ok(())
             }
             _ => {
-                // No keyword begins so: the line is left over from a merge, or from a web page.
                 let is_word = keyword.starts_with(|it: char| it.is_alphabetic() || it == '#');
-                let at = words.line;
-                let is_broken = usize::from(!is_word && !keyword.starts_with("//"));
-                self.mends
-                    .add(mends::LINE_BROKEN, is_broken, || format!("in line {at}"));
+                let times = usize::from(!is_word && !keyword.starts_with("//"));
+                let place = || format!("in line {}", words.line);
+                self.mends.add(mends::LINE_BROKEN, times, place);
                 Ok(())
             }
         }
@@ -285,7 +282,7 @@ impl Reader<'_> {
             return false;
         }
         let is_part = word.starts_with('/') && !self.face.is_empty();
-        let is_list = word.contains(',');
+        let is_list = word.contains([',', ';', '(', ')', '\\']);
         let times = usize::from(is_part || is_list);
         self.mends
             .add(mends::FACE_SIGNS, times, || format!("in line {line}"));
@@ -297,7 +294,10 @@ impl Reader<'_> {
         } else {
             word.to_owned()
         };
-        let corners = whole.split(',').filter(|it| !it.is_empty());
+        let whole = whole.replace('\\', "/");
+        let corners = whole
+            .split([',', ';', '(', ')'])
+            .filter(|it| !it.is_empty());
         self.face
             .extend(corners.map(|it| self.late.corner(it, counts)));
         true

@@ -174,6 +174,8 @@ fn faces_with_commas_blanks_and_comments_are_read_as_meant() {
         "f 1 /1 2 /1 3 /1",
         "f 1, 2, 3",
         "f 1/1,2/1,3/1 // c",
+        "f (1;2;3)",
+        "f 1\\1 2\\1 3\\1",
     ] {
         let told = scene(&format!("{vertices}{face}\n"), b"");
         assert_eq!(told.meshes[0].triangles, [[0, 1, 2]], "{face}");

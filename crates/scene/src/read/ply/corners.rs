@@ -38,7 +38,7 @@ impl Corners {
             })
         };
         let of_format = list(&|name, _| NAMES.contains(&name));
-        let other = || list(&|name, scalar| scalar.is_whole() && !name.contains("tex"));
+        let other = || list(&|name, scalar| scalar.is_whole() && !name.starts_with("tex"));
         let mut corners = Self {
             at: of_format.or_else(other),
             is_of_another_name: of_format.is_none(),

@@ -390,10 +390,12 @@ fn faces(properties: &str, rows: &str) -> SourceScene {
 fn corners_of_faces_are_found_under_other_names() {
     let lists = "property list uchar int indices\n";
     let numbers = "property int v1\nproperty int v2\nproperty int v3\n";
+    let other = "property list uchar int texnumbers\nproperty list uchar int vertex_id\n";
     let letters = "property uchar flags\nproperty uint a\nproperty uint b\nproperty uint c\n";
     for (properties, rows) in [
         (lists, "3 0 1 2\n3 0 2 3\n"),
         (numbers, "0 1 2\n0 2 3\n"),
+        (other, "2 5 6 3 0 1 2\n2 5 6 3 0 2 3\n"),
         (letters, "9 0 1 2\n9 0 2 3\n"),
     ] {
         let scene = faces(properties, rows);
