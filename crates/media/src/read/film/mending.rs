@@ -67,7 +67,7 @@ impl Place {
 pub(crate) struct Beginning {
     /// Packets before the first frame came out, and where each lies in the file.
     early: Vec<(Place, i64)>,
-    /// The first frame, once it came out, and where its packet lies; -1 where nothing tells.
+    /// The first frame, once it came out, and where its packet lies; -1 where that is unknown.
     first: Option<Place>,
     first_at: i64,
     late: u32,
