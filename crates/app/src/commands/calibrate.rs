@@ -83,6 +83,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         true => CalibrationExtent::Thorough,
         false => CalibrationExtent::Usual,
     };
+    say_begun(args);
     let begun = Instant::now();
     let Some(found) = calibrate(&args.pack, extent, output::jobs(args.jobs)?)? else {
         bail!(
@@ -113,4 +114,14 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         pack.text().trim_end()
     );
     output::result(args.json, &done, &text)
+}
+
+fn say_begun(args: &CalibrateArgs) {
+    if !args.thorough {
+        output::say(&format!(
+            "{}: measures how the score falls as detail is dropped, which takes about a minute of \
+             CPU time",
+            args.pack.display()
+        ));
+    }
 }

@@ -192,6 +192,14 @@ impl CalibrationInfo {
                 };
                 let rules = [Expectation::ByLoss, Expectation::Elsewise];
                 let shares: Vec<String> = rules.into_iter().filter_map(share).collect();
+                if shares.is_empty() {
+                    let _ = writeln!(
+                        text,
+                        "{target} JOD at {ppd:.1} pixels per degree: more than was found in \
+                         calibration"
+                    );
+                    continue;
+                }
                 let _ = writeln!(
                     text,
                     "{target} JOD at {ppd:.1} pixels per degree needs {} of the pixels",

@@ -479,7 +479,8 @@ impl RunSummary {
         if jod < target - TARGET_WITHIN {
             let more = match self.unspent_bytes {
                 Some(_) => "a faster --link brings more",
-                None => "a higher --target or --policy viewport shows more",
+                None if self.policy == Policy::Acuity.name() => "--policy perceptual can show more",
+                None => "a higher --target shows more",
             };
             output::say(&format!(
                 "warning: --target {target} is missed: the {what} is {jod:.2} JOD; {more}"
@@ -489,13 +490,14 @@ impl RunSummary {
 
     fn text(&self, out: &Path) -> String {
         format!(
-            "{} under {}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB \
+            "{} under {}{}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB \
              fetched, {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
-             {}{}{}{}{}{}{}written to {}",
+             {}{}{}{}{}{}{}{}written to {}",
             counted(self.frames, "frame"),
             self.policy,
+            self.policy_chosen.map_or("", |_| " (chosen by auto)"),
             self.pixels_share_mean * 100.0,
             self.pixels_share_max * 100.0,
             self.bytes as f64 / 1e6,
@@ -524,9 +526,14 @@ impl RunSummary {
                 .map_or(String::new(), |error| format!(
                     "mean error of the expected gaze: {error:.2}°\n"
                 )),
+            match (self.target, self.expected_jod) {
+                (Some(target), Some(jod)) =>
+                    format!("target {target} JOD, expected {jod:.2} JOD\n"),
+                _ => String::new(),
+            },
             match (self.stopped_at_target, self.unspent_bytes) {
                 (Some(true), Some(bytes)) => format!(
-                    "stopped at target: {} of the link were not spent\n",
+                    "buying stopped at the target; {} of the link were not used\n",
                     output::size(bytes)
                 ),
                 _ => String::new(),

@@ -20,8 +20,8 @@ impl PolicyOptions {
         };
         let target = self.target(Policy::Perceptual)?;
         let cheaper = target.and_then(|target| calibration.cheaper(target, Some(density)));
-        let policy = cheaper.map(|(rule, _)| Policy::judged_for(rule));
-        Ok((self.under(policy.unwrap_or(Policy::Perceptual)), policy))
+        let policy = cheaper.map_or(Policy::Perceptual, |(rule, _)| Policy::judged_for(rule));
+        Ok((self.under(policy), Some(policy)))
     }
 
     /// The same for a pack of video in this view, under a policy that has a name.

@@ -3,6 +3,7 @@
 use crate::perceptual::patches;
 use crate::scenes::write_clip;
 use crate::support::{Folder, done, json, refused};
+use foveal_media::generate::GeneratedScene;
 use serde_json::Value;
 
 /// A clip prepared as a person would.
@@ -83,14 +84,15 @@ fn a_pack_keeps_its_target_where_nobody_looked_and_tells_what_it_takes() {
 #[test]
 fn a_sphere_keeps_its_target_at_a_gaze_that_nobody_judged() {
     let folder = Folder::new();
-    let clip = write_clip(&folder, "clip.mkv", &[patches([1024, 512], 0)]);
+    let scene = GeneratedScene::panorama([2048, 1024]);
+    let clip = write_clip(&folder, "clip.mkv", &[scene.frame(0)]);
     let pack = folder.name("sphere.foveal");
     let prepare = ["prepare", "video", &clip, "--out", &pack];
     let how = ["--projection", "equirect", "--tile", "64", "--levels", "4"];
     let calibrated = ["--quality", "12", "--calibrate", "usual", "--no-loss"];
     done(&[&prepare[..], &how, &calibrated].concat());
     let out = folder.name("run");
-    for gaze in ["-20,7", "25,-12"] {
+    for gaze in ["-6,4", "9,-7"] {
         let gaze = format!("--gaze={gaze}");
         let view = ["--view", "660x660", "--fov", "60"];
         let play = ["simulate", &pack, &gaze, "--score"];

@@ -28,6 +28,9 @@ const LEAST_LOST_JOD: f64 = 0.005;
 const LEAST_TELLING_JOD: f64 = 0.05;
 /// The curve goes up to where so many times less is lost than at the best that was found.
 const MOST_BEYOND: f64 = 1.1;
+/// Of what the judge has not seen, at most so many times what it found at the largest bound is
+/// lost: a picture of the coarsest level alone, before anything else is loaded, loses no more.
+const MOST_LOST_BEYOND: f64 = 2.0;
 /// Densities that are nearer to each other are the same.
 const SAME_DENSITY: f64 = 0.02;
 
@@ -339,10 +342,12 @@ impl Curves {
             along(&points, loss, JOD_EXPONENT)
         };
         let points = self.zone(zone);
-        match points.last() {
-            Some(last) if loss > last.loss && !last.tells() => of(&self.whole),
-            _ => of(points),
-        }
+        let points = match points.last() {
+            Some(last) if loss > last.loss && !last.tells() => &self.whole,
+            _ => points,
+        };
+        let most = points.last()?.lost_jod + libm::log(MOST_LOST_BEYOND);
+        Some(of(points)?.min(most))
     }
 
     /// Logarithm of the bound at which a zone has a score, at most the largest that was judged, as

@@ -32,6 +32,8 @@ const MOST_UNPACKED: u64 = 2048;
 const MOST_FREE: u64 = 1 << 25;
 /// Bytes that are unpacked at a time.
 const PART_BYTES: usize = 1 << 18;
+/// Where the header's bounds begin: the most and the least of each axis.
+const BOUNDS_AT: usize = 179;
 /// Bytes that may be left of a chunk behind its points: what ends a coder.
 const MOST_LEFT: u64 = 16;
 /// Most points of a chunk.
@@ -59,6 +61,8 @@ struct Packed<'a> {
     /// What the file says of it.
     said: &'a [u8],
     record_bytes: usize,
+    /// Where the header says that points lie, grown by its own size; `None` where it says nothing.
+    bounds: Option<[[f64; 2]; 3]>,
 }
 
 /// Unpacks all points, record by record; a chunk that is damaged, or that is not there, costs its
@@ -82,6 +86,7 @@ pub(super) fn read(
         vlr,
         said,
         record_bytes: header.record_bytes,
+        bounds: grown_bounds(bytes),
     };
     let end = header.points_end.max(header.points_at).min(bytes.len());
     let (bytes_of_points, in_one) = (&bytes[..end], packing == Packing::One);
@@ -153,15 +158,25 @@ impl Packed<'_> {
                     mends.leave_behind(left as usize, header.count);
                 }
                 Ok(_) => {}
-                Err(_) if is_last => {
+                Err(what) if is_last => {
                     records.truncate(before);
-                    all = all - chunk.points + self.surely(chunk, records);
+                    let found = self.surely(chunk, records);
+                    match self.first_stray(before, header, records) {
+                        // A coder that has lost its way goes on with points anywhere.
+                        Some(stray) => {
+                            records.truncate(stray);
+                            let kept = (stray - before) as u64;
+                            (lost, broken) = (lost + chunk.points - kept, broken + 1);
+                            let place = chunk.place(number, chunks.len());
+                            first_fault.get_or_insert((place, what));
+                        }
+                        None => all = all - chunk.points + found,
+                    }
                 }
                 Err(what) => {
                     records.truncate(before);
                     (lost, broken) = (lost + chunk.points, broken + 1);
-                    let place = format!("byte {}, chunk {number} of {}", chunk.at, chunks.len());
-                    first_fault.get_or_insert((place, what));
+                    first_fault.get_or_insert((chunk.place(number, chunks.len()), what));
                 }
             }
         }
@@ -199,6 +214,19 @@ impl Packed<'_> {
             records,
         )
         .0
+    }
+
+    /// The first point from `begin` on that lies far outside the header's bounds.
+    fn first_stray(&self, begin: usize, header: &LasHeader, records: &Records) -> Option<usize> {
+        let bounds = self.bounds?;
+        let is_stray = |place: &[i32; 3]| {
+            (0..3).any(|k| {
+                let at = f64::from(place[k]) * header.scale[k] + header.offset[k];
+                !(bounds[k][0]..=bounds[k][1]).contains(&at)
+            })
+        };
+        let stray = records.places()[begin..].iter().position(is_stray);
+        stray.map(|at| begin + at)
     }
 
     /// Unpacks a chunk, and returns how many bytes of it are left.
@@ -300,6 +328,28 @@ fn tell_count(all: u64, header: &LasHeader, mends: &mut LasMends) {
         )),
         Ordering::Equal => {}
     }
+}
+
+impl Chunk<'_> {
+    /// Which of so many chunks it is, and where, in words.
+    fn place(&self, number: usize, of: usize) -> String {
+        format!("byte {}, chunk {number} of {of}", self.at)
+    }
+}
+
+/// The bounds in the header, most before least, grown by their size and a metre; `None` where they
+/// are not numbers or all alike.
+fn grown_bounds(bytes: &[u8]) -> Option<[[f64; 2]; 3]> {
+    let number = |at: usize| Some(f64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
+    let side = |k: usize| {
+        let [most, least] = [number(BOUNDS_AT + 16 * k)?, number(BOUNDS_AT + 16 * k + 8)?];
+        let room = most - least + 1.0;
+        (room >= 1.0).then_some([least - room, most + room])
+    };
+    let all = [side(0)?, side(1)?, side(2)?];
+    let is_said = all.iter().flatten().all(|it| it.is_finite());
+    let is_empty = all.iter().all(|[least, most]| most - least <= 2.0);
+    (is_said && !is_empty).then_some(all)
 }
 
 /// How a record says that points are packed.

@@ -24,6 +24,11 @@ impl Records {
         self.cloud.places.len()
     }
 
+    /// Places of the points so far, in steps of the header's scale.
+    pub(super) fn places(&self) -> &[[i32; 3]] {
+        &self.cloud.places
+    }
+
     /// Forgets all points but the first so many.
     pub(super) fn truncate(&mut self, points: usize) {
         let cloud = &mut self.cloud;

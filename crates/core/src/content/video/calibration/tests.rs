@@ -61,7 +61,7 @@ fn a_score_that_was_found_is_expected_again() {
 }
 
 #[test]
-fn nothing_lost_is_the_best_score_and_more_lost_is_a_lower_one() {
+fn nothing_lost_is_the_best_score_and_more_lost_is_a_lower_one_up_to_a_bound() {
     let scale = calibration().at(None);
     let jod = |loss: f64| {
         let losses = losses([loss; ZONES]);
@@ -69,7 +69,10 @@ fn nothing_lost_is_the_best_score_and_more_lost_is_a_lower_one() {
     };
     assert_eq!(jod(0.0), BEST_JOD);
     let jods: Vec<f64> = (0..60).map(|step| jod(0.01 * 1.5_f64.powi(step))).collect();
-    assert!(jods.windows(2).all(|pair| pair[1] < pair[0]), "{jods:?}");
+    let worst = jods[jods.len() - 1];
+    let falls = |pair: &[f64]| pair[1] < pair[0] || pair[1] == worst;
+    assert!(jods.windows(2).all(falls), "{jods:?}");
+    assert!((7.0..8.0).contains(&worst), "{worst}");
 }
 
 #[test]
