@@ -19,7 +19,6 @@ use crate::run::run_folder::{LOG, TABLE};
 use anyhow::bail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::bytes::description::Description;
-use foveal_core::content::video::calibration::density_of;
 use foveal_core::perception::visible_loss::{BEST_JOD, jod_lost};
 use foveal_core::session::log::{SessionLogPart, sha256_hex};
 use foveal_core::units::{Seconds, counted};
@@ -251,12 +250,7 @@ impl SimulateArgs {
         if self.watching.link.is_some() {
             return Ok((self.clone(), None));
         }
-        let surface = file.pack().description().grid(self.view.screen).surface;
-        let view = self.view.eye_view(&surface)?;
-        let calibration = file.calibration().ok().flatten();
-        let (policy, chosen) = self
-            .policy
-            .for_content(calibration.as_ref(), density_of(&surface, &view))?;
+        let (policy, chosen) = self.policy.for_pack(file, &self.view)?;
         let with = Self {
             policy,
             ..self.clone()

@@ -307,7 +307,6 @@ impl PolicyOptions {
             target: self.target(policy)?,
             bound: None,
             together: false,
-            border: policy == Policy::Perceptual,
         })
     }
 

@@ -179,10 +179,6 @@ pub struct PolicyConfig {
     /// it: as sessions without panels do.
     #[serde(default, skip_serializing_if = "is_false")]
     pub together: bool,
-    /// `perceptual` with a budget, of video: whether what lies just outside the view has a worth
-    /// too, as it fades into the picture. Sessions of earlier versions lack it.
-    #[serde(default, skip_serializing_if = "is_false")]
-    pub border: bool,
 }
 
 fn is_false(value: &bool) -> bool {
@@ -232,7 +228,6 @@ impl PolicyConfig {
             target: None,
             bound: None,
             together: false,
-            border: policy == Policy::Perceptual,
         }
     }
 

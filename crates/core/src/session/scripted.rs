@@ -1,7 +1,7 @@
 //! What does every policy choose in a scripted run?
 
 use crate::content::demand::Content;
-use crate::content::policy::{Policy, PolicyConfig};
+use crate::content::policy::PolicyConfig;
 use crate::content::scripted::{SCRIPTED_POLICIES, scripted_demand, scripted_head};
 use crate::gaze::sample::{GazeSample, HeadPose};
 use crate::gaze::scan::ScanPath;
@@ -25,16 +25,8 @@ pub fn scripted_sessions() -> Vec<SessionLogPart> {
 
 /// A scripted run over each surface under every policy.
 pub(super) fn scripted_sessions_over(surfaces: [Surface; 2]) -> Vec<SessionLogPart> {
-    scripted_sessions_by(surfaces, PolicyConfig::new)
-}
-
-/// The same with other parameters.
-pub(super) fn scripted_sessions_by(
-    surfaces: [Surface; 2],
-    config: fn(Policy) -> PolicyConfig,
-) -> Vec<SessionLogPart> {
     let runs = surfaces.iter().flat_map(|surface| {
-        let configs = SCRIPTED_POLICIES.map(config);
+        let configs = SCRIPTED_POLICIES.map(PolicyConfig::new);
         configs.map(|config| scripted_session(*surface, config))
     });
     runs.collect()

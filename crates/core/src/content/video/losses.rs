@@ -293,7 +293,7 @@ fn octaves_of(
 }
 
 /// How far outside the view a cell is seen fading into it, or lies in view between its places.
-pub(super) fn border_of(grid: &TileGrid) -> Radians {
+fn border_of(grid: &TileGrid) -> Radians {
     Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
 }
 

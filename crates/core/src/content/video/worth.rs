@@ -7,7 +7,7 @@ use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{CellPlace, CellPlaces, Cells, SharedPlaces, Sighted};
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
-use crate::content::video::losses::{Losses, border_of};
+use crate::content::video::losses::Losses;
 use crate::content::video::units::VideoUnits;
 use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::Signature;
@@ -110,8 +110,6 @@ impl Gains {
     }
 }
 
-/// How visible a cell just outside the view is as it fades in, relative to one in view.
-const SEEN_OF_BORDER: f64 = 0.25;
 /// Chance that the next saccade lands outside what the gaze predicts while a group is shown.
 const WANDER: f64 = 0.3;
 /// Saccades fall off with amplitude as exp(-e / this), in degrees (Bahill et al. 1975: 86 % are of
@@ -160,7 +158,6 @@ impl Worth {
         };
         let config = PolicyConfig {
             perception,
-            border: false,
             ..PolicyConfig::new(Policy::Perceptual)
         };
         Self::new(grid, &config)
@@ -178,17 +175,9 @@ impl Worth {
         let mut gains = Gains::zero(grid);
         let spread = SpreadTable::new(glance.gaze.spread);
         let sighted = Sighted::new(glance);
-        let border = (self.config.border && self.config.policy == Policy::Perceptual)
-            .then(|| Sighted::up_to(glance, border_of(grid)));
         let prior = self.prior(grid, content, frame, glance);
         for (rank, cell) in self.cells.iter().enumerate() {
-            let mut looked = self.looked(cell, glance, (&sighted, &sighted), &spread);
-            if let (Some(border), true) = (&border, looked.is_empty()) {
-                looked = self.looked(cell, glance, (border, &sighted), &spread);
-                for part in &mut looked {
-                    part.area_deg2 *= SEEN_OF_BORDER;
-                }
-            }
+            let looked = self.looked(cell, glance, &sighted, &spread);
             let prior = prior.get(rank).copied().unwrap_or_default();
             if looked.is_empty() && prior == 0.0 {
                 continue;
@@ -214,12 +203,12 @@ impl Worth {
         gains
     }
 
-    /// The parts of a cell that are within reach, as the view shows them.
+    /// The parts of a cell that are in view.
     fn looked(
         &self,
         cell: &CellPlaces,
         glance: &Glance,
-        (reach, sighted): (&Sighted<'_>, &Sighted<'_>),
+        sighted: &Sighted<'_>,
         spread: &SpreadTable,
     ) -> Vec<Looked> {
         let looked = |place: &CellPlace| {
@@ -227,7 +216,7 @@ impl Worth {
             let display = sighted.display_limit(place);
             self.looked_at(&sighted.seen(place), spread.effective(apart), display)
         };
-        reach.places(cell).map(looked).collect()
+        sighted.places(cell).map(looked).collect()
     }
 
     fn looked_at(&self, place: &CellPlace, eccentricity: Radians, display: Cpd) -> Looked {

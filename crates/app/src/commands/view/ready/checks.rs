@@ -69,7 +69,10 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
 pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<PolicyOptions> {
     let usual = match (args.demo, pack) {
         (true, LivePack::Video(file, _)) => match args.link {
-            None => return args.policy.for_pack(file, &args.view),
+            None => {
+                let (policy, _) = args.policy.for_pack(file, &args.view)?;
+                return Ok(policy.under(policy.policy()));
+            }
             Some(_) => Policy::Perceptual,
         },
         (false, _) => Policy::Viewport,
