@@ -57,22 +57,14 @@ pub(crate) fn calibrate(
         return Ok(None);
     }
     let (densities, left_out) = glimpses_of(&file, extent)?;
-    let mut rows = Vec::new();
-    let mut frames = 0;
-    for density in &densities {
+    let found = in_parallel(jobs, &densities, |density| {
         let stage = Stage::new(&file, density, jobs)?;
-        frames = frames.max(
-            stage
-                .seen
-                .iter()
-                .map(|seen| seen.full.len())
-                .max()
-                .unwrap_or(0),
-        );
-        for rule in [Expectation::ByLoss, Expectation::Elsewise] {
-            rows.extend(stage.rows(rule, extent)?);
-        }
-    }
+        let by_loss = stage.rows(Expectation::ByLoss, extent)?;
+        let elsewise = stage.rows(Expectation::Elsewise, extent)?;
+        Ok((stage.frames(), [by_loss, elsewise].concat()))
+    })?;
+    let frames = found.iter().map(|(frames, _)| *frames).max().unwrap_or(0);
+    let rows: Vec<CalibrationRow> = found.into_iter().flat_map(|(_, rows)| rows).collect();
     if rows.is_empty() {
         return Ok(None);
     }
@@ -126,6 +118,12 @@ impl<'a> Stage<'a> {
             })
             .collect();
         Ok(stage)
+    }
+
+    /// Frames of the longest glimpse.
+    fn frames(&self) -> usize {
+        let frames = self.seen.iter().map(|seen| seen.full.len());
+        frames.max().unwrap_or(0)
     }
 
     /// The scores of one rule at the bounds that are looked for.

@@ -21,7 +21,7 @@ struct Footing {
 
 fn footing(
     tiles: &TwinTiles,
-    source: &SourceTile,
+    source: &SourceTile<'_>,
     plane: Plane,
     level: u32,
     place: Vec2,
@@ -40,18 +40,12 @@ fn footing(
     }
 }
 
-fn view_inside(
-    tiles: &TwinTiles,
-    source: &SourceTile,
-    plane: Plane,
-    level: u32,
-    at: &Footing,
-) -> Vec2 {
+fn view_inside(source: &SourceTile<'_>, plane: Plane, level: u32, at: &Footing) -> Vec2 {
     let mip = mip_of(source, level);
-    let a = load(tiles, source, plane, at.texel, mip);
-    let b = load(tiles, source, plane, at.texel + IVec2::new(1, 0), mip);
-    let c = load(tiles, source, plane, at.texel + IVec2::new(0, 1), mip);
-    let d = load(tiles, source, plane, at.texel + IVec2::new(1, 1), mip);
+    let a = load(source, plane, at.texel, mip);
+    let b = load(source, plane, at.texel + IVec2::new(1, 0), mip);
+    let c = load(source, plane, at.texel + IVec2::new(0, 1), mip);
+    let d = load(source, plane, at.texel + IVec2::new(1, 1), mip);
     mix(mix(a, b, at.weight.x), mix(c, d, at.weight.x), at.weight.y)
 }
 
@@ -112,11 +106,11 @@ fn sample_across(tiles: &TwinTiles, face: u32, middle: Vec2) -> f32 {
     fetch(tiles, Plane::Luma, 0, face, place).x
 }
 
-fn cubic_row(tiles: &TwinTiles, own: &SourceTile, texel: IVec2, weights: Vec4) -> f32 {
-    let a = load(tiles, own, Plane::Luma, texel + IVec2::new(-1, 0), 0).x;
-    let b = load(tiles, own, Plane::Luma, texel, 0).x;
-    let c = load(tiles, own, Plane::Luma, texel + IVec2::new(1, 0), 0).x;
-    let d = load(tiles, own, Plane::Luma, texel + IVec2::new(2, 0), 0).x;
+fn cubic_row(own: &SourceTile<'_>, texel: IVec2, weights: Vec4) -> f32 {
+    let a = load(own, Plane::Luma, texel + IVec2::new(-1, 0), 0).x;
+    let b = load(own, Plane::Luma, texel, 0).x;
+    let c = load(own, Plane::Luma, texel + IVec2::new(1, 0), 0).x;
+    let d = load(own, Plane::Luma, texel + IVec2::new(2, 0), 0).x;
     Vec4::new(a, b, c, d).dot(weights)
 }
 
@@ -124,7 +118,7 @@ fn cubic_luma(
     tiles: &TwinTiles,
     face: u32,
     place: Vec2,
-    own: &SourceTile,
+    own: &SourceTile<'_>,
     at: &Footing,
     within: bool,
 ) -> f32 {
@@ -135,7 +129,7 @@ fn cubic_luma(
     if within {
         let row = |row: usize| {
             let texel = at.texel + IVec2::new(0, row as i32 - 1);
-            y_weights[row] * cubic_row(tiles, own, texel, x_weights)
+            y_weights[row] * cubic_row(own, texel, x_weights)
         };
         return (0..4).map(row).sum();
     }
@@ -152,7 +146,7 @@ fn level_view(
     level: u32,
     face: u32,
     place: Vec2,
-    own: &SourceTile,
+    own: &SourceTile<'_>,
     cubic: f32,
 ) -> Vec3 {
     let mut source = *own;
@@ -163,11 +157,11 @@ fn level_view(
     let chroma_at = footing(tiles, &source, Plane::Chroma, level, place);
     let mut luma = Vec2::ZERO;
     if luma_at.inside {
-        luma = view_inside(tiles, &source, Plane::Luma, level, &luma_at);
+        luma = view_inside(&source, Plane::Luma, level, &luma_at);
     }
     let mut chroma = Vec2::ZERO;
     if chroma_at.inside {
-        chroma = view_inside(tiles, &source, Plane::Chroma, level, &chroma_at);
+        chroma = view_inside(&source, Plane::Chroma, level, &chroma_at);
     }
     let mut corner = if luma_at.inside { 4 } else { 0 };
     let end = if chroma_at.inside { 4 } else { 8 };

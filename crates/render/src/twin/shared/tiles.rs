@@ -135,14 +135,16 @@ pub(crate) fn shown_in(tiles: &TwinTiles, face: u32, cell: UVec2) -> u32 {
 
 /// A tile in memory and what it covers, in level-0 pixels.
 #[derive(Clone, Copy)]
-pub(crate) struct SourceTile {
+pub(crate) struct SourceTile<'a> {
     pub(crate) level: u32,
     pub(crate) low: Vec2,
     pub(crate) high: Vec2,
     tile: Tile,
+    /// Looked up once, not for every sample; `None` where the tile is not resident.
+    planes: Option<&'a [Vec<Samples>; 3]>,
 }
 
-pub(crate) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -> SourceTile {
+pub(crate) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -> SourceTile<'_> {
     let is_base = level == tiles.params.coarsest;
     let finer_span =
         Vec2::from(tiles.params.cell) * (1 << (level * tiles.params.span_octaves)) as f32;
@@ -166,6 +168,7 @@ pub(crate) fn source_at(tiles: &TwinTiles, level: u32, face: u32, place: Vec2) -
         low,
         high,
         tile,
+        planes: tiles.resident.get(&tile).map(|(_, planes)| planes),
     }
 }
 
@@ -175,13 +178,13 @@ pub(crate) fn segment_start(tiles: &TwinTiles, place: Vec2) -> Vec2 {
     (place / segment).floor().clamp(Vec2::ZERO, last) * segment
 }
 
-pub(crate) fn mip_of(source: &SourceTile, level: u32) -> u32 {
+pub(crate) fn mip_of(source: &SourceTile<'_>, level: u32) -> u32 {
     level - source.level
 }
 
 pub(crate) fn first_texel(
     tiles: &TwinTiles,
-    source: &SourceTile,
+    source: &SourceTile<'_>,
     plane: Plane,
     level: u32,
     start: Vec2,
@@ -191,14 +194,8 @@ pub(crate) fn first_texel(
         .as_ivec2()
 }
 
-pub(crate) fn load(
-    tiles: &TwinTiles,
-    source: &SourceTile,
-    plane: Plane,
-    texel: IVec2,
-    mip: u32,
-) -> Vec2 {
-    let Some((_, planes)) = tiles.resident.get(&source.tile) else {
+pub(crate) fn load(source: &SourceTile<'_>, plane: Plane, texel: IVec2, mip: u32) -> Vec2 {
+    let Some(planes) = source.planes else {
         return Vec2::ZERO;
     };
     let value = |p: usize| {
@@ -229,5 +226,5 @@ pub(crate) fn fetch(tiles: &TwinTiles, plane: Plane, level: u32, face: u32, plac
         .floor()
         .as_ivec2();
     let texel = first_texel(tiles, &source, plane, given, start) + sample;
-    load(tiles, &source, plane, texel, mip_of(&source, given))
+    load(&source, plane, texel, mip_of(&source, given))
 }
