@@ -11,7 +11,7 @@ use std::path::Path;
 /// not wait, as opening a pipe would.
 ///
 /// # Errors
-/// It cannot be opened, is a folder, or no plain file.
+/// It cannot be opened, is a folder, or not a plain file.
 pub fn open_plain(path: &Path) -> Result<(File, Metadata)> {
     judged(path, 0)
 }
@@ -47,7 +47,7 @@ pub fn read_plain(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// The first bytes of a plain file, at most `most` of them.
 ///
 /// # Errors
-/// It cannot be opened or read, is a folder, or no plain file.
+/// It cannot be opened or read, is a folder, or not a plain file.
 pub fn first_bytes(path: &Path, most: u64) -> Result<Vec<u8>> {
     let mut first = Vec::new();
     open_plain(path)?.0.take(most).read_to_end(&mut first)?;
@@ -191,7 +191,7 @@ fn judged(path: &Path, flags: i32) -> Result<(File, Metadata)> {
     match there.is_file() {
         true => Ok((file, there)),
         false if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
-        false => Err(Error::other("it is no plain file")),
+        false => Err(Error::other("it is not a plain file")),
     }
 }
 
@@ -219,7 +219,7 @@ mod tests {
                 open_plain(&pipe)
                     .unwrap_err()
                     .to_string()
-                    .contains("no plain file")
+                    .contains("not a plain file")
             );
         }
         std::fs::remove_dir_all(&folder).unwrap();

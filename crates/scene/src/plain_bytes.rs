@@ -48,7 +48,7 @@ pub(crate) enum PlainBytesError {
     /// It is larger than it may be, both in bytes.
     #[error("it has {0} bytes, and at most {1} can be read")]
     Large(u64, u64),
-    /// It is no plain file.
-    #[error("it is no plain file")]
+    /// It is not a plain file.
+    #[error("it is not a plain file")]
     Other,
 }

@@ -83,6 +83,12 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         true => CalibrationExtent::Thorough,
         false => CalibrationExtent::Usual,
     };
+    if old.calibration().ok().flatten().is_some() {
+        output::say(&format!(
+            "{}: is calibrated already; the new pack gets a new table",
+            args.pack.display()
+        ));
+    }
     say_begun(args);
     let begun = Instant::now();
     let Some(found) = calibrate(&args.pack, extent, output::jobs(args.jobs)?)? else {

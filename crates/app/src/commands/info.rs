@@ -149,7 +149,7 @@ struct CalibrationRowInfo {
 }
 
 /// Scores whose share of the pixels `info` shows.
-const TOLD_TARGETS: [f64; 2] = [9.5, 9.0];
+const SHOWN_TARGETS: [f64; 2] = [9.5, 9.0];
 /// Parts of the picture: the whole, then its zones.
 const PARTS: [&str; 4] = ["whole", "under_5_deg", "from_5_to_20_deg", "over_20_deg"];
 
@@ -180,34 +180,45 @@ impl CalibrationInfo {
         Some((Policy::judged_for(rule).name(), share))
     }
 
-    fn text(&self) -> String {
-        let mut text = String::new();
-        for ppd in self.of.densities(Expectation::ByLoss) {
-            for target in TOLD_TARGETS {
-                let share = |rule: Expectation| {
-                    let share = self.of.share_at(rule, target, Some(Ppd(ppd)))?;
-                    let percent = 100.0 * share.min(1.0);
-                    let name = Policy::judged_for(rule).name();
-                    Some(format!("{percent:.1} % ({name})"))
-                };
-                let rules = [Expectation::ByLoss, Expectation::Elsewise];
-                let shares: Vec<String> = rules.into_iter().filter_map(share).collect();
-                if shares.is_empty() {
-                    let _ = writeln!(
-                        text,
-                        "{target} JOD at {ppd:.1} pixels per degree: more than was found in \
-                         calibration"
-                    );
-                    continue;
-                }
-                let _ = writeln!(
-                    text,
-                    "{target} JOD at {ppd:.1} pixels per degree needs {} of the pixels",
-                    shares.join(", ")
-                );
+    /// A table: a row for each size of view, a column for each score, in each the cheaper rule.
+    fn text(&self, projection: Projection) -> String {
+        let mut densities = self.of.densities(Expectation::ByLoss);
+        densities.sort_by(|a, b| b.total_cmp(a));
+        let finest = densities.first().copied().unwrap_or(1.0);
+        let mut text = format!("{:<28}", "share of the pixels needed");
+        for target in SHOWN_TARGETS {
+            let _ = write!(text, "{:<22}", format!("{target} JOD"));
+        }
+        for ppd in densities {
+            let view = match (projection, (finest / ppd).round()) {
+                (Projection::Flat, 1.0) => format!("full size ({ppd:.1} pixels/°)"),
+                (Projection::Flat, times) => format!("1/{times} size ({ppd:.1} pixels/°)"),
+                _ => format!("{ppd:.1} pixels/°"),
+            };
+            let _ = write!(text, "\n  {view:<26}");
+            for target in SHOWN_TARGETS {
+                let _ = write!(text, "{:<22}", self.share_in_words(target, ppd));
             }
         }
-        text
+        let lines = text.lines().map(str::trim_end);
+        lines.fold(String::new(), |all, line| all + line + "\n")
+    }
+
+    fn share_in_words(&self, target: f64, ppd: f64) -> String {
+        if let Some((rule, share)) = self.of.cheaper(target, Some(Ppd(ppd))) {
+            let name = Policy::judged_for(rule).name();
+            return format!("{:.1} % {name}", 100.0 * share.min(1.0));
+        }
+        let there = |row: &&CalibrationRow| row.zone.is_none() && row.ppd == ppd;
+        let best = self.of.rows().iter().filter(there);
+        let best = best.max_by(|a, b| a.jod_mean.total_cmp(&b.jod_mean));
+        best.map_or(String::new(), |best| {
+            format!(
+                "{:.1} % has {:.2}",
+                100.0 * best.pixels_share.min(1.0),
+                best.jod_mean
+            )
+        })
     }
 }
 
@@ -293,7 +304,7 @@ impl PackInfo {
         );
         text += &self.loss_told();
         if let Some(calibration) = &self.calibration {
-            text += &calibration.text();
+            text += &calibration.text(self.projection);
         }
         if let Some(sound) = &self.sound {
             let _ = writeln!(
@@ -377,7 +388,10 @@ impl PackInfo {
         };
         let ratio = match self.source_bytes {
             0 => String::new(),
-            bytes => format!(", {:.1} times the source", self.bytes as f64 / bytes as f64),
+            bytes => format!(
+                ", {:.1} times the size of the source",
+                self.bytes as f64 / bytes as f64
+            ),
         };
         format!("{score}{}{ratio}", output::size(self.bytes))
     }

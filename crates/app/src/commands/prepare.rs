@@ -73,7 +73,7 @@ enum DeinterlaceName {
 pub(crate) enum CalibrateName {
     /// Nothing: targets are then met by constants that fit most content.
     Off,
-    /// As much as a minute of a processor allows.
+    /// As much as about a minute of CPU time allows.
     Usual,
     /// Five gazes, all densities and bounds.
     Thorough,
@@ -150,7 +150,7 @@ pub(crate) struct PrepareVideoArgs {
     #[arg(long)]
     no_loss: bool,
     /// Test how the score falls as detail is dropped, and store it in the pack: what --target
-    /// chooses by (about a minute of a processor).
+    /// chooses by (about a minute of CPU time).
     #[arg(long, value_enum, value_name = "EXTENT", default_value = "usual")]
     calibrate: CalibrateName,
     /// Twice as fast, larger files.
@@ -313,8 +313,8 @@ impl PrepareVideoArgs {
         let at_target = calibration.and_then(CalibrationInfo::at_default_target);
         let text = match at_target {
             Some((policy, share)) => format!(
-                "{}\n{DEFAULT_TARGET} JOD against the finest level needs {:.1} % of the pixels of \
-                 this content, by {policy}",
+                "{}\nfor {DEFAULT_TARGET} JOD at full size auto chooses {policy}, with {:.1} % of \
+                 the pixels",
                 text.trim_end(),
                 100.0 * share.min(1.0)
             ),
@@ -468,8 +468,8 @@ impl Witness for Guide<'_> {
         let extent = self.args.calibrate.extent()?;
         let input = &self.args.input;
         output::say(&format!(
-            "{}: tests how the score falls as detail is dropped, which takes about a minute of a \
-             processor (--calibrate off leaves it out)",
+            "{}: tests how the score falls as detail is dropped, which takes about a minute of \
+             CPU time (--calibrate off skips it)",
             input.display()
         ));
         let begun = Instant::now();

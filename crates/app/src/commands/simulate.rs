@@ -323,7 +323,7 @@ impl SimulateArgs {
         let config = self.policy.config()?;
         if self.watching.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
-                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                "--link: {} ignores the link; give --policy uniform, eccentricity or perceptual",
                 self.policy.policy().name()
             )));
         }
@@ -487,7 +487,7 @@ impl RunSummary {
             "{} under {}{}: {:.2} % of the pixels of the finest level (most {:.2} %), {:.2} MB \
              fetched, {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
-             {:.2} MB on the GPU ({:.1} % of the finest level in 4:2:0, {:.1} % in 32-bit floats)\n\
+             {:.2} MB on the GPU\n\
              {}{}{}{}{}{}{}{}written to {}",
             counted(self.frames, "frame"),
             self.policy,
@@ -503,8 +503,6 @@ impl RunSummary {
             counted(self.damaged_tiles, "damaged tile"),
             counted(self.level_changes, "level change"),
             self.gpu_bytes as f64 / 1e6,
-            self.gpu_share * 100.0,
-            self.gpu_share_of_floats * 100.0,
             self.detail_share_mean
                 .map_or(String::new(), |share| format!(
                     "{:.1} % of the detail that the eye could see\n",
@@ -517,6 +515,7 @@ impl RunSummary {
                 false => "",
             },
             self.gaze_error_deg_mean
+                .filter(|error| *error > 0.0)
                 .map_or(String::new(), |error| format!(
                     "mean error of the expected gaze: {error:.2}°\n"
                 )),

@@ -250,8 +250,8 @@ impl PolicyOptions {
     pub(crate) fn refuse_score_of_scene(&self, policy: Policy) -> anyhow::Result<()> {
         if policy.spends_a_budget() && matches!(self.target, Some(TargetChoice::Jod(_))) {
             bail!(WrongUsage(format!(
-                "--target: of a scene {} buys all that is worth anything; give --policy acuity, \
-                 which chooses for a score, or leave --target out",
+                "--target: on a scene {} does not choose for a score; give --policy acuity, which \
+                 does, or leave --target out",
                 policy.name()
             )));
         }

@@ -82,7 +82,11 @@ impl std::error::Error for WrongUsage {}
 
 /// The error for an option with this name and value out of `range`.
 pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> WrongUsage {
-    WrongUsage(format!("{option} is {}; give {range}", found.to_string()))
+    let found = found.to_string();
+    WrongUsage(match found.parse::<f64>() {
+        Ok(_) => format!("{option} is {found}; give {range}"),
+        Err(_) => format!("{option} is \"{found}\"; give {range}"),
+    })
 }
 
 /// Says why the command failed, under `--json` also on stdout: 2 for wrong usage, 1 for anything
@@ -186,8 +190,8 @@ fn told_apart<T>(
     read.or_else(|error| match error.kind() {
         ErrorKind::IsADirectory => bail!("{name}: is a folder; give the file of {what}"),
         ErrorKind::Other => bail!(
-            "{name}: is no plain file; give {what} as a file, and write what comes through a pipe \
-             into it first"
+            "{name}: is not a plain file; write what comes through a pipe into a file first, \
+             and give {what} as that file"
         ),
         ErrorKind::FileTooLarge => {
             bail!("{name}: is larger than {MAX_TEXT_BYTES} bytes; give {what} that is shorter")

@@ -20,12 +20,12 @@ pub(crate) fn pack_at(out: &Path) -> Result<Option<PackThere>, WrongUsage> {
         return Ok(None);
     };
     let what = match there.file_type() {
-        kind if kind.is_dir() => "a folder is there, and no pack",
+        kind if kind.is_dir() => "a folder is there, not a pack",
         kind if kind.is_symlink() => "a link is there; name its target",
-        kind if !kind.is_file() => "what is there is no plain file",
+        kind if !kind.is_file() => "what is there is not a plain file",
         _ if there.len() == 0 => return Ok(None),
         _ if begins_as_pack(out) => return Ok(Some(PackThere(out.to_owned()))),
-        _ => "a file is there that is no pack",
+        _ => "a file is there that is not a pack",
     };
     Err(WrongUsage(format!(
         "--out {}: {what}; choose another --out, or move it away (--force replaces nothing but \

@@ -88,7 +88,7 @@ fn a_recording_is_refused_before_it_begins_where_it_could_not_be_kept() {
             words,
         );
     };
-    record(&folder.name("."), &["is no plain file"]);
+    record(&folder.name("."), &["is not a plain file"]);
     record(&folder.name("none/mine.csv"), &["its folder is not there"]);
     let kept = folder.holding("mine.csv.partial", b"t_s,yaw_deg,pitch_deg\n0,1,2\n");
     record(

@@ -28,7 +28,7 @@ fn a_pack_cannot_go_where_nothing_can_be_written() {
     prepare(
         2,
         "/dev/null",
-        &["/dev/null", "no plain file", "choose another --out"],
+        &["/dev/null", "not a plain file", "choose another --out"],
     );
     prepare(
         1,

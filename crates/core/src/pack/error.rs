@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Why bytes are no pack, or a damaged one: which field, what was found, what was expected.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{field}: found {found}, expected {expected}")]
+#[error("{}", self.in_words())]
 pub struct PackError {
     /// The field of the format, as `docs/formats/pack.md` names it.
     pub field: String,
@@ -16,6 +16,18 @@ pub struct PackError {
 }
 
 impl PackError {
+    fn in_words(&self) -> String {
+        let Self {
+            field,
+            found,
+            expected,
+        } = self;
+        match field.as_str() {
+            "magic" => format!("is not a Foveal pack: it begins with {found}"),
+            _ => format!("{field}: found {found}, expected {expected}"),
+        }
+    }
+
     pub(crate) fn new(field: &str, found: impl ToString, expected: impl ToString) -> Self {
         Self {
             field: field.to_owned(),

@@ -37,7 +37,7 @@ impl Header {
             return Err(PackError::new(
                 "magic",
                 begin.escape_ascii(),
-                "FOVEAL\\r\\n (this is no pack)",
+                "FOVEAL\\r\\n",
             ));
         }
         if bytes.len() < HEADER_BYTES {

@@ -162,7 +162,7 @@ fn refuse_anything_but_a_file(path: &Path) -> Result<(), Error> {
     match std::fs::symlink_metadata(path) {
         Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
         Ok(there) if there.is_symlink() => Err(Error::other("it is a link; name its target")),
-        Ok(there) if !there.is_file() => Err(Error::other("it is no plain file")),
+        Ok(there) if !there.is_file() => Err(Error::other("it is not a plain file")),
         _ => Ok(()),
     }
 }
@@ -205,7 +205,7 @@ fn open_rest(partial: &Path) -> Result<Option<File>, Error> {
         return Ok(None);
     };
     if !there.is_file() {
-        return Err(in_the_way(partial, "it is no plain file"));
+        return Err(in_the_way(partial, "it is not a plain file"));
     }
     let mut file = File::options().read(true).write(true).open(partial)?;
     if file.try_lock().is_err() {

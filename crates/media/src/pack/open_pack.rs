@@ -111,7 +111,7 @@ impl OpenPack {
         let (mut file, found) = open_plain(path).map_err(|error| {
             let what = match error.kind() {
                 ErrorKind::IsADirectory => "is a folder",
-                ErrorKind::Other => "is no plain file",
+                ErrorKind::Other => "is not a plain file",
                 _ => return io("cannot be opened", error),
             };
             let path = path.to_owned();

@@ -115,7 +115,7 @@ fn check_target(args: &RecordArgs) -> anyhow::Result<()> {
     let out = &args.out;
     let name = out.display();
     if out.exists() && !out.is_file() {
-        bail!("{name}: is no plain file; give another --out");
+        bail!("{name}: is not a plain file; give another --out");
     }
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {

@@ -296,7 +296,7 @@ impl SimulateArgs {
         self.policy.refuse_score_of_scene(config.policy)?;
         if is_limited && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
-                "--link, --budget: {name} spends no budget; give --policy perceptual, \
+                "--link, --budget: {name} ignores the link; give --policy perceptual, \
                  eccentricity or uniform"
             )));
         }

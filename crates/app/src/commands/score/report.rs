@@ -127,8 +127,8 @@ impl ScoreReport {
     pub(crate) fn text(&self) -> String {
         let mode = mode_name(self.mode);
         let mut text = format!(
-            "{:.4} JOD ({} {}, {mode}, {}; 10 is no difference; a difference of 1 is seen by \
-             three of four people)\n{}, {}\n",
+            "{:.4} JOD ({} {}, {mode}, {}; 10 is no visible difference; at 9, three of \
+             four people pick the better picture)\n{}, {}\n",
             self.jod,
             self.metric,
             self.version,
@@ -152,16 +152,27 @@ impl ScoreReport {
             let [cpd, s, t] = [band.cpd, band.sustained, band.transient];
             let _ = writeln!(text, "{cpd:14.3} {s:11.3} {t:11.3}");
         }
-        let decibels = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2} dB"));
-        let _ = writeln!(
-            text,
-            "besides: PSNR {}, foveation-weighted PSNR {}, SSIM in the fovea {}",
-            decibels(self.companions.psnr_db),
-            decibels(self.companions.fw_psnr_db),
-            self.companions
-                .foveal_ssim
-                .map_or("-".to_owned(), |v| format!("{v:.4}")),
-        );
+        let decibels = |value: Option<f64>| value.map(|value| format!("{value:.2} dB"));
+        let companions = [
+            ("PSNR", decibels(self.companions.psnr_db)),
+            (
+                "foveation-weighted PSNR",
+                decibels(self.companions.fw_psnr_db),
+            ),
+            (
+                "SSIM in the fovea",
+                self.companions
+                    .foveal_ssim
+                    .map(|value| format!("{value:.4}")),
+            ),
+        ];
+        let known = companions.into_iter();
+        let known: Vec<String> = known
+            .filter_map(|(name, value)| Some(format!("{name} {}", value?)))
+            .collect();
+        if !known.is_empty() {
+            let _ = writeln!(text, "other metrics: {}", known.join(", "));
+        }
         if let Some(file) = &self.heat_file {
             let _ = writeln!(text, "{}", file.display());
         }

@@ -55,7 +55,7 @@ impl Ready {
         check(args, &pack)?;
         if args.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
-                "--link: {} spends no budget; give --policy uniform, eccentricity or perceptual",
+                "--link: {} ignores the link; give --policy uniform, eccentricity or perceptual",
                 args.policy.policy().name()
             )));
         }

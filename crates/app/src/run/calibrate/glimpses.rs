@@ -146,17 +146,13 @@ pub(super) fn glimpses_of(
     let short = densities.iter().filter(|it| it.glimpses.len() < most);
     let short: Vec<String> = short
         .map(|it| {
-            format!(
-                "{} of {most} at {:.1} pixels per degree",
-                it.glimpses.len(),
-                it.ppd()
-            )
+            let glimpses = it.glimpses.len();
+            format!("{glimpses} of {most} samples at {:.1} pixels/°", it.ppd())
         })
         .collect();
     let left_out = (!short.is_empty()).then(|| {
         format!(
-            "tested {} samples of {} (the rest are skipped for time; a thorough calibration tests \
-             all)",
+            "calibrated on {}, each of {}; a thorough calibration tests all",
             short.join(", "),
             counted(frames, "frame")
         )

@@ -5,7 +5,7 @@ use foveal_core::content::video::calibration::{ZONES, ZoneLosses};
 /// How much of a content is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CalibrationExtent {
-    /// As much as a minute of a processor allows.
+    /// As much as about a minute of CPU time allows.
     Usual,
     /// Five gazes, all densities and bounds.
     Thorough,

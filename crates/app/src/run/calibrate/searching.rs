@@ -8,8 +8,8 @@ use foveal_core::content::calibration::{Expectation, slope_for};
 use foveal_core::content::video::calibration::{CalibrationRow, ZONES};
 use foveal_core::perception::visible_loss::{BEST_JOD, JOD_EXPONENT};
 
-/// The scores that are looked for, the default target first.
-const WANTED: [f64; 4] = [9.5, 9.0, 9.75, 9.3];
+/// The scores that are looked for, the default target first, then one that encloses it.
+const WANTED: [f64; 4] = [9.5, 9.75, 9.0, 9.3];
 /// How near to one of them a score counts as found, in JOD.
 const FOUND_WITHIN: f64 = 0.12;
 /// How many values are tried at most: bounds, and slopes.
@@ -20,6 +20,8 @@ const SLOPE_EXPONENT: f64 = 1.25;
 /// Values that are tried: of bounds, and of slopes.
 const BOUNDS: [f64; 2] = [1e-2, 1e6];
 const SLOPES: [f64; 2] = [0.0015, 0.35];
+/// A finer value that gains no more than this, in JOD, is as fine as the content goes.
+const NO_GAIN: f64 = 0.02;
 /// Below this, in JOD, it does not matter how little is lost.
 const NEXT_TO_NOTHING: f64 = 0.02;
 /// The bound that is tried first: about what 9.5 JOD needs for most content.
@@ -72,7 +74,19 @@ impl Search {
             !self.found.iter().any(is_known)
         };
         let missing = WANTED.into_iter().filter(is_missing);
+        let missing = missing.filter(|wanted| self.may_reach(*wanted));
         missing.map(|wanted| self.value_for(wanted)).find(is_new)
+    }
+
+    /// Whether finer values may still score this: not where the two finest score alike.
+    fn may_reach(&self, wanted: f64) -> bool {
+        match self.found.as_slice() {
+            [(_, finest), (_, next), ..] => {
+                let [finest, next] = [mean(&finest.jods), mean(&next.jods)];
+                wanted <= finest || finest - next > NO_GAIN
+            }
+            _ => true,
+        }
     }
 
     pub(super) fn learn(&mut self, value: f64, found: FoundAtBound) {

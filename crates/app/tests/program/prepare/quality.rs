@@ -62,7 +62,7 @@ fn a_film_is_coded_as_its_content_asks_and_the_same_by_any_number_of_threads() {
     let text = done(&[&start[..], &["--force", "--frames", "8"]].concat()).stdout;
     let last = text.lines().last().unwrap();
     assert!(
-        last.contains("JOD against the source") && last.contains("times the source"),
+        last.contains("JOD against the source") && last.contains("times the size of the source"),
         "{text}"
     );
     // Fixed quantisers are what they were.

@@ -70,7 +70,7 @@ pub enum GridError {
     #[error("the picture is {0}x{1} pixels; each side must be 1 to {MAX_SIDE}")]
     Size(u32, u32),
     /// Number of levels out of range.
-    #[error("{0} levels; there must be 1 to {MAX_LEVELS}")]
+    #[error("{0} levels; give 1 to {MAX_LEVELS}")]
     Levels(u8),
     /// Ratio of levels is not 2 or 4.
     #[error("level ratio {0}; it must be 2 or 4")]
