@@ -83,13 +83,7 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
         true => CalibrationExtent::Thorough,
         false => CalibrationExtent::Usual,
     };
-    if old.calibration().ok().flatten().is_some() {
-        output::say(&format!(
-            "{}: is calibrated already; the new pack gets a new table",
-            args.pack.display()
-        ));
-    }
-    say_begun(args);
+    say_begun(args, old.calibration().ok().flatten().is_some());
     let begun = Instant::now();
     let Some(found) = calibrate(&args.pack, extent, output::jobs(args.jobs)?)? else {
         bail!(
@@ -122,7 +116,13 @@ pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
     output::result(args.json, &done, &text)
 }
 
-fn say_begun(args: &CalibrateArgs) {
+fn say_begun(args: &CalibrateArgs, is_calibrated: bool) {
+    if is_calibrated {
+        output::say(&format!(
+            "{}: is calibrated already; the new pack gets a new table",
+            args.pack.display()
+        ));
+    }
     if !args.thorough {
         output::say(&format!(
             "{}: measures how the score falls as detail is dropped, which takes about a minute of \

@@ -50,7 +50,10 @@ const JUDGED_SLOPE_STEPS: f64 = 4.0;
 const JUDGED_SLOPES: u32 = 33;
 /// So far may the expected score lie below the target, in JOD, where a judge saw the content: tiles
 /// may be so large that the next finer choice lies far above.
-const BELOW_TARGET_JOD: f64 = 0.1;
+const BELOW_TARGET_JOD: f64 = 0.15;
+/// So far may what was chosen before lie from the target and stay, in JOD, where a judge saw the
+/// content.
+const STAYS_WITHIN_JOD: f64 = 0.1;
 /// Bounds that are tried: this many steps below and above the loss of the target.
 const BOUNDS: u32 = 40;
 /// The same where a judge saw the content: tiles of even texture pass a bound almost together.
@@ -316,8 +319,11 @@ impl TargetSelector {
         };
         if let Some(before) = &self.before {
             let still = expected(before.step);
-            let most = BEST_JOD - LEAST_LOST * (BEST_JOD - self.target);
-            if (least..=most).contains(&still) {
+            let stays = match is_measured {
+                true => self.target - STAYS_WITHIN_JOD..=self.target + STAYS_WITHIN_JOD,
+                false => least..=BEST_JOD - LEAST_LOST * (BEST_JOD - self.target),
+            };
+            if stays.contains(&still) {
                 return before.step;
             }
         }
