@@ -16,6 +16,7 @@ mod layouts;
 mod lenient;
 mod meshes;
 mod numbers;
+mod odd_layouts;
 mod outliers;
 mod panels;
 mod paths;
