@@ -238,7 +238,7 @@ fn rigs_go_through_files_of_other_programs_and_come_back() {
     refused(
         2,
         &["panels", "import", &three, "--out", &ours],
-        &["no MPCDI", ".mpcdi"],
+        &["not an MPCDI", ".mpcdi"],
     );
     refused(
         2,
