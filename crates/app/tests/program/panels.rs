@@ -355,7 +355,7 @@ fn what_is_no_rig_is_refused() {
     fit(
         &folder.holding("a.mpcdi", b"PK\x03\x04"),
         1,
-        &["a.mpcdi", "no whole zip", "export it again"],
+        &["a.mpcdi", "not a whole zip", "export it again"],
     );
     fit(
         &folder.holding("a.json", b"{\"format\": 3}"),
