@@ -86,7 +86,7 @@ pub(super) const FORMATS: &[Format] = &[
             found(
                 "`leftAngle` or `downAngle` without its sign",
                 Remarked,
-                "treated as negative where the frustum would be empty, or both are positive",
+                "treated as negative where the frustum would be empty",
             ),
             found(
                 "files of other kinds: `distortionMap`, `decodeLUT`, ..",

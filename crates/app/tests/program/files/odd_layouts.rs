@@ -104,11 +104,7 @@ fn ids_angles_and_files_that_are_unusual_are_used_and_told() {
     let usual = document(["a", "b"], signed, "");
     let (_, told, rig) = imported(&folder, "usual.xml", usual.as_bytes());
     assert_eq!(told, "[]");
-    for angles in [
-        [25.0, 20.0, 15.0, -12.0],
-        [25.0, 20.0, 15.0, 12.0],
-        [-25.0, 20.0, 12.0, -12.0],
-    ] {
+    for angles in [[25.0, 20.0, 15.0, -12.0], [-25.0, 20.0, 12.0, -12.0]] {
         let text = document(["a", "b"], angles, "");
         let (_, told, found) = imported(&folder, &format!("{}.xml", angles[3]), text.as_bytes());
         let is_usual = angles[0] < 0.0;

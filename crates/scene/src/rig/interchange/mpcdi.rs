@@ -557,13 +557,12 @@ impl<'a> MpcdiRegion<'a> {
             tangent("upAngle")?,
             tangent("downAngle")?,
         ];
-        let are_both_positive = left > 0.0 && down > 0.0;
         for (name, low, high) in [
             ("leftAngle", &mut left, right),
             ("downAngle", &mut down, up),
         ] {
             // Some write how far it reaches to each side, without signs.
-            if *low > 0.0 && high > 0.0 && (are_both_positive || *low >= high) {
+            if *low > 0.0 && high > 0.0 && *low >= high {
                 *low = -*low;
                 notes.push(format!(
                     "region {:?}: its {name} is positive, which lies on the other side of its \
