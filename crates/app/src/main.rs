@@ -137,12 +137,12 @@ fn main() -> ExitCode {
 fn with_hint(mut error: clap::Error) -> clap::Error {
     use clap::error::{ContextKind, ContextValue};
     let command = &report::called::called().command;
-    let takes_files = ["foveal", "foveal prepare"].contains(&command.as_str());
+    let takes_files = ["foveal", "foveal prepare", "foveal panels"].contains(&command.as_str());
     let word = match error.get(ContextKind::InvalidSubcommand) {
         Some(ContextValue::String(word)) if takes_files => word.clone(),
         _ => return error,
     };
-    if let Some(hint) = run::other_input::meant_command(&word) {
+    if let Some(hint) = run::other_input::meant_command(command, &word) {
         let hint = ContextValue::StyledStrs(vec![hint.into()]);
         error.insert(ContextKind::Suggested, hint);
     }

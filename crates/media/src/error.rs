@@ -58,6 +58,16 @@ pub enum MediaError {
         /// What is wrong with it.
         what: String,
     },
+    /// The file is of another kind than one that holds pictures.
+    #[error("{}: {what}; {next}", path.display())]
+    OtherFile {
+        /// The file.
+        path: PathBuf,
+        /// What it is, as the end of a sentence that begins with the file.
+        what: String,
+        /// What to do about it.
+        next: String,
+    },
     /// The file has streams, but none is a video.
     #[error("{}: holds {found}; give a file with pictures", path.display())]
     NoVideoStream {

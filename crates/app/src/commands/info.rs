@@ -16,6 +16,7 @@ use foveal_core::units::{Ppd, counted, one_line};
 use foveal_core::view::surface::{Mapping, Projection};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
+use foveal_media::prepare::ANIMATIONS;
 use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -230,16 +231,27 @@ pub(crate) fn seconds_of(file: &PackFile) -> anyhow::Result<Option<f64>> {
     Ok((!about.is_still()).then_some(last + about.last_frame_s()))
 }
 
+/// Frames a second: of an animation, whose pictures are each shown for a time of their own, on
+/// average.
+fn fps_of(about: &Description, seconds: f64) -> f64 {
+    let is_animation = ANIMATIONS.contains(&about.source.codec.as_str());
+    match is_animation && seconds > 0.0 {
+        true => f64::from(about.frames) / seconds,
+        false => about.fps(),
+    }
+}
+
 impl PackInfo {
     pub(crate) fn new(file: &PackFile) -> anyhow::Result<Self> {
         let pack = file.pack();
         let about: &Description = pack.description();
+        let seconds = seconds_of(file)?;
         Ok(Self {
             content: MediaKind::of(about),
             projection: about.projection,
             frames: about.frames,
-            fps: (!about.is_still()).then_some(about.fps()),
-            seconds: seconds_of(file)?,
+            fps: seconds.map(|seconds| fps_of(about, seconds)),
+            seconds,
             width: about.source.size[0],
             height: about.source.size[1],
             face_width: about.size[0],

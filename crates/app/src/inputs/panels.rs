@@ -79,6 +79,21 @@ pub(super) const FORMATS: &[Format] = &[
                 "a number behind it, which is said",
             ),
             found(
+                "an id that cannot be part of a file's name (`wall/L:1`)",
+                Remarked,
+                "with `-` in place of such characters",
+            ),
+            found(
+                "`leftAngle` or `downAngle` without its sign",
+                Remarked,
+                "treated as negative where the frustum would be empty",
+            ),
+            found(
+                "files of other kinds: `distortionMap`, `decodeLUT`, ..",
+                Remarked,
+                "not read",
+            ),
+            found(
                 "a map of fewer values than its region has pixels, or up to four times more",
                 Remarked,
                 "a geometryWarpFile is interpolated, an alphaMap or betaMap resampled",
@@ -125,6 +140,21 @@ pub(super) const FORMATS: &[Format] = &[
             ),
             found("nodes without a share of light", Read, "full light"),
             found("names of columns", Read, "passed over"),
+            found(
+                "nodes that do not stand in lines of their own",
+                Read,
+                "as it was meant",
+            ),
+            found(
+                "shares of light of 0 or less at all nodes",
+                Remarked,
+                "full light: nothing would be drawn",
+            ),
+            found(
+                "red, green and blue in place of a share of light",
+                Remarked,
+                "their mean",
+            ),
             found(
                 "shares of light of 0 to 255, 100 or 65535, or above 1",
                 Remarked,

@@ -5,7 +5,9 @@ use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "Still pictures",
-    read: "Whatever the FFmpeg in the program decodes, AVIF, and animations, which are films.",
+    read: "Whatever the FFmpeg in the program decodes; AVIF; Radiance (`.hdr`); TIFF in tiles, of \
+           floating-point samples, compressed by JPEG, and BigTIFF; and animations, which are \
+           films.",
     rows: &[
         Finding {
             found: "orientation in EXIF; `irot` and `imir` of AVIF",
@@ -47,6 +49,45 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "broken EXIF or XMP",
             outcome: Mended,
             told: "passed over, `repairs.broken_tags`",
+        },
+        Finding {
+            found: "samples that count light (OpenEXR, Radiance, float maps, TIFF of \
+                    floating-point samples from 0 to 1, PNG with gAMA 1.0 or a linear cICP), or \
+                    light to another power (gAMA)",
+            outcome: Remarked,
+            told: "converted to sRGB; what is brighter than white is white, and its share is said",
+        },
+        Finding {
+            found: "PQ or HLG, by the coded data or cICP of PNG",
+            outcome: Remarked,
+            told: "shown as standard range",
+        },
+        Finding {
+            found: "a GIF whose screen is 0x0 or does not hold its pictures; a WebP that says that \
+                    it is longer than it is",
+            outcome: Mended,
+            told: "whole, `repairs.broken_tags`",
+        },
+        Finding {
+            found: "several pages of a TIFF, pictures of an icon (`.ico`)",
+            outcome: Remarked,
+            told: "the first page, the largest picture",
+        },
+        Finding {
+            found: "bytes behind the end of a picture",
+            outcome: Read,
+            told: "passed over",
+        },
+        Finding {
+            found: "TIFF in L*a*b*, of whole numbers of 32 bits or with a sign, of heights, or \
+                    compressed by JPEG in the old style, ZSTD, LZMA, LERC, JBIG or JPEG 2000",
+            outcome: Refused,
+            told: "by its kind, with what converts it",
+        },
+        Finding {
+            found: "PDF, archives, web pages, pointers of Git LFS",
+            outcome: Refused,
+            told: "by their kind",
         },
         Finding {
             found: "HEIC",

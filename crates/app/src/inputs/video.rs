@@ -79,11 +79,49 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "replaced by the frame rate, `repairs.time_stamps`",
         },
         Finding {
-            found: "recordings joined end to end (transport and program streams), whose time \
+            found: "recordings joined end to end (transport and program streams, Ogg), whose time \
                     stamps start again",
             outcome: Remarked,
             told: "played one after the other, `repairs.joined_recordings`; `--strict` accepts \
                    them",
+        },
+        Finding {
+            found: "a second film behind the end of the first (MP4, FLV, ASF or APNG joined by \
+                    `cat`)",
+            outcome: Remarked,
+            told: "the first, with where the second begins; pieces of MP4 that begin again are \
+                   mixed",
+        },
+        Finding {
+            found: "several video tracks",
+            outcome: Remarked,
+            told: "FFmpeg's choice, but never a track of one picture where another is a film; the \
+                   others are named",
+        },
+        Finding {
+            found: "a track of MP4 whose time scale is 0",
+            outcome: Mended,
+            told: "that of its length, `repairs.broken_tags`",
+        },
+        Finding {
+            found: "an edit list that asks for another speed",
+            outcome: Remarked,
+            told: "full speed",
+        },
+        Finding {
+            found: "a bare stream (`.h264`, `.mjpeg`) that gives no frame rate",
+            outcome: Remarked,
+            told: "25 frames a second",
+        },
+        Finding {
+            found: "a segment of a stream (`.m4s`) without its init segment, or that alone",
+            outcome: Refused,
+            told: "with what joins them",
+        },
+        Finding {
+            found: "an Ogg that begins in the middle",
+            outcome: Refused,
+            told: "how it is coded stands at its beginning",
         },
         Finding {
             found: "damaged sound",

@@ -51,9 +51,26 @@ pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> any
     }
 }
 
-/// The command to suggest when a file was given in place of a command.
-pub(crate) fn meant_command(word: &str) -> Option<String> {
+/// The command to suggest when a file or folder was given in place of one of `command`'s.
+pub(crate) fn meant_command(command: &str, word: &str) -> Option<String> {
     let path = Path::new(word);
+    if command == "foveal panels" {
+        let is_rig = path.is_file() || path.extension().is_some();
+        return match path.is_dir() {
+            true => Some(format!(
+                "{word} is a folder: give a rig file in it, as `foveal panels fit RIG.toml`"
+            )),
+            false => is_rig.then(|| {
+                format!("`foveal panels fit {word}` shows how a source fits to the panels of a rig")
+            }),
+        };
+    }
+    if path.is_dir() {
+        return Some(format!(
+            "{word} is a folder: give a file in it, as `foveal prepare video {word}/FILE --out \
+             PACK`"
+        ));
+    }
     if path.extension().is_some_and(|it| it == "foveal") {
         return Some(format!("`foveal view {word}` plays a pack"));
     }

@@ -238,7 +238,7 @@ fn rigs_go_through_files_of_other_programs_and_come_back() {
     refused(
         2,
         &["panels", "import", &three, "--out", &ours],
-        &["no MPCDI", ".mpcdi"],
+        &["not an MPCDI", ".mpcdi"],
     );
     refused(
         2,
@@ -355,7 +355,7 @@ fn what_is_no_rig_is_refused() {
     fit(
         &folder.holding("a.mpcdi", b"PK\x03\x04"),
         1,
-        &["a.mpcdi", "no whole zip", "export it again"],
+        &["a.mpcdi", "not a whole zip", "export it again"],
     );
     fit(
         &folder.holding("a.json", b"{\"format\": 3}"),

@@ -27,7 +27,7 @@ const HOLES: usize = 50;
 const LEAST_EVEN: usize = 8;
 const MOST_LENGTH: f64 = 1000.0;
 /// Codecs of animations, which say of every picture how long it is shown.
-const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
+pub const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
 
 /// What was found of an input once it was read.
 pub(super) struct ReadThrough {
@@ -65,6 +65,11 @@ pub(super) fn findings(
     warnings.extend(mended.remarks(times.len() as u64, length_of(times, fps)));
     if mended.is_transparent && !plan.tells_of_transparency {
         warnings.push("what is transparent in it is shown over black".to_owned());
+    }
+    if plan.is_still && times.len() > 1 {
+        warnings.push(format!(
+            "it is a row of pictures without a frame rate: {fps:.3} frames a second are taken"
+        ));
     }
     let notes = time_notes(times, fps, mended.repaired_stamps, of);
     let mut repairs = mended.repairs();

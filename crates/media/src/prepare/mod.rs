@@ -23,6 +23,7 @@ mod sphere_levels;
 
 pub use crate::surround::found::Surround;
 pub use error::PrepareError;
+pub use findings::ANIMATIONS;
 pub use identity::pack_identity_of;
 pub use plan::PreparationPlan;
 pub use rates::samples::{SampleWindow, coded, sample_windows};

@@ -9,6 +9,7 @@ use foveal_core::view::picture::{Colour, Matrix, Picture};
 
 use crate::read::convert::{Converter, Layout};
 use crate::read::frame::{is_420, new_frame, picture_from_frame, rows_run_down};
+use crate::read::light::Lighting;
 use crate::read::orientation::Orientation;
 
 /// Pixels of the largest picture of standard definition (PAL, with room for wide pixels). A larger
@@ -22,6 +23,8 @@ pub(crate) struct FrameConversion {
     colour: Colour,
     /// For frames of one layout, and whether they have alpha.
     steps: Option<(Steps, bool)>,
+    /// For frames whose samples follow another curve than displays do.
+    lighting: Option<Lighting>,
     /// Whether a pixel so far could be seen through.
     has_seen_through: bool,
 }
@@ -50,8 +53,17 @@ impl FrameConversion {
             is_jpeg,
             colour,
             steps: None,
+            lighting: None,
             has_seen_through: false,
         })
+    }
+
+    /// Has frames like the first one brought to the curve of displays, where they follow another;
+    /// then what a person should know of it. `power` is what the file says besides.
+    pub(crate) fn light_as(&mut self, first: &Video, power: Option<f64>) -> Option<String> {
+        let (lighting, note) = Lighting::of(first, power)?;
+        self.lighting = Some(lighting);
+        Some(note)
     }
 
     /// How frames are turned.
@@ -72,6 +84,17 @@ impl FrameConversion {
     /// The frame as an upright 8-bit 4:2:0 picture.
     pub(crate) fn picture(&mut self, frame: &Video) -> Result<Picture, String> {
         let from = layout_of(frame, self.is_jpeg)?;
+        match &mut self.lighting {
+            None => self.picture_of(frame, from),
+            Some(lighting) => {
+                let lit = lighting.frame(frame, from)?;
+                let from = layout_of(&lit, self.is_jpeg)?;
+                self.picture_of(&lit, from)
+            }
+        }
+    }
+
+    fn picture_of(&mut self, frame: &Video, from: Layout) -> Result<Picture, String> {
         let as_it_is = from.full_range == self.colour.full_range
             && from.matrix == self.colour.matrix
             && self.orientation.is_upright();

@@ -6,12 +6,15 @@ use std::path::Path;
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
 use crate::read::film::mended::Mended;
+use crate::read::film::other_file::other_file;
 use crate::read::film::stream_input::StreamInput;
 use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::source::SourceInfo;
+use crate::read::still::decoded_still::DecodedStill;
 use crate::read::still::heif_still::HeifStill;
 use crate::read::still::large_still::LargeStill;
 use crate::read::still::webp_input::WebPInput;
+use crate::read::still::{float_map, radiance, tiff_still};
 
 /// An open video or image file, read from front to back.
 ///
@@ -32,6 +35,7 @@ enum Source {
     Stream(Box<StreamInput>),
     Still(Box<LargeStill>),
     Heif(Box<HeifStill>),
+    Decoded(Box<DecodedStill>),
     WebP(Box<WebPInput>),
 }
 
@@ -58,8 +62,18 @@ impl VideoInput {
             Source::Heif(Box::new(still))
         } else if let Some(animation) = WebPInput::open(path, bytes)? {
             Source::WebP(Box::new(animation))
+        } else if let Some(still) = radiance::open(path, bytes)? {
+            Source::Decoded(Box::new(still))
+        } else if let Some(still) = float_map::open(path, bytes)? {
+            Source::Decoded(Box::new(still))
+        } else if let Some(still) = tiff_still::open(path, bytes)? {
+            Source::Decoded(Box::new(still))
         } else {
-            Source::Stream(Box::new(StreamInput::open(path, bytes, options)?))
+            let stream = StreamInput::open(path, bytes, options);
+            Source::Stream(Box::new(stream.map_err(|error| match error {
+                MediaError::NoFrames { .. } => refused_kind(path, bytes).unwrap_or(error),
+                error => error,
+            })?))
         };
         Ok(Self { source })
     }
@@ -71,6 +85,7 @@ impl VideoInput {
             Source::Stream(stream) => &stream.info,
             Source::Still(still) => still.info(),
             Source::Heif(still) => still.info(),
+            Source::Decoded(still) => still.info(),
             Source::WebP(animation) => animation.info(),
         }
     }
@@ -80,7 +95,7 @@ impl VideoInput {
     pub(crate) fn first_stamp_ns(&self) -> i64 {
         match &self.source {
             Source::Stream(stream) => stream.first_stamp_ns,
-            Source::Still(_) | Source::Heif(_) | Source::WebP(_) => 0,
+            Source::Still(_) | Source::Heif(_) | Source::Decoded(_) | Source::WebP(_) => 0,
         }
     }
 
@@ -93,7 +108,7 @@ impl VideoInput {
                 is_transparent: still.has_seen_through(),
                 ..Mended::default()
             },
-            Source::Heif(_) => Mended::default(),
+            Source::Heif(_) | Source::Decoded(_) => Mended::default(),
             Source::WebP(animation) => animation.mended(),
         }
     }
@@ -104,7 +119,7 @@ impl VideoInput {
         match &self.source {
             Source::Stream(stream) => stream.last_ns(),
             Source::WebP(animation) => animation.last_ns(),
-            Source::Still(_) | Source::Heif(_) => None,
+            Source::Still(_) | Source::Heif(_) | Source::Decoded(_) => None,
         }
     }
 
@@ -125,30 +140,41 @@ impl VideoInput {
                 picture,
                 time_ns: 0,
             })),
+            Source::Decoded(still) => Ok(still.picture().map(|picture| TimedPicture {
+                picture,
+                time_ns: 0,
+            })),
             Source::WebP(animation) => Ok(animation.next_frame()),
         }
     }
 }
 
+/// Why no frame of a file can be read, where that is for what it is.
+fn refused_kind(path: &Path, bytes: u64) -> Option<MediaError> {
+    tiff_still::kind_refused(path, bytes).or_else(|| other_file(path))
+}
+
 fn file_bytes(path: &Path) -> Result<u64, MediaError> {
-    let cannot_open = |reason| MediaError::Open {
+    let other = |what: &str, next: &str| MediaError::OtherFile {
         path: path.to_owned(),
-        reason,
+        what: what.to_owned(),
+        next: next.to_owned(),
     };
-    let (_, about) = open_plain(path).map_err(|error| {
-        cannot_open(match error.kind() {
-            ErrorKind::IsADirectory => "it is a folder; give a file in it".to_owned(),
-            ErrorKind::Other => "it is not a file; what comes through a pipe must be written to \
-                                 one first"
-                .to_owned(),
-            _ => error.to_string(),
-        })
+    let (_, about) = open_plain(path).map_err(|error| match error.kind() {
+        ErrorKind::IsADirectory => other("it is a folder", "give a file in it"),
+        ErrorKind::Other => other(
+            "it is not a plain file",
+            "write what comes through a pipe to a file first, and give that",
+        ),
+        _ => MediaError::Open {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        },
     })?;
     if about.len() == 0 {
-        let reason = "it is empty".to_owned();
         return Err(MediaError::NotVideo {
             path: path.to_owned(),
-            reason,
+            reason: "it is empty".to_owned(),
         });
     }
     Ok(about.len())

@@ -5,6 +5,7 @@ pub(crate) mod deliver;
 pub mod film;
 pub(crate) mod frame;
 pub mod input;
+pub(crate) mod light;
 pub mod options;
 pub(crate) mod orientation;
 pub(crate) mod sound_reader;

@@ -10,6 +10,7 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
+use crate::read::film::corrected_file::CorrectedFile;
 use crate::read::film::joints::Joints;
 use crate::read::film::opening::{open_input, read_packet};
 
@@ -34,6 +35,8 @@ struct Kind {
 /// first picture is shown: what comes earlier is left out, what comes later begins with silence.
 pub(crate) struct SoundReader {
     input: Input,
+    /// Read by the input, which is gone before it.
+    _corrected: Option<CorrectedFile>,
     stream: usize,
     decoder: decoder::Audio,
     tick: av::Rational,
@@ -58,7 +61,8 @@ impl SoundReader {
     /// Opens the sound of a file; `None` where it has none. The error says why it cannot be read.
     pub(crate) fn open(path: &Path, origin_ns: i64) -> Result<Option<Self>, String> {
         start();
-        let input = open_input(&path_for_ffmpeg(path)?, None)?;
+        let file = open_input(&path_for_ffmpeg(path)?, None)?;
+        let input = file.input;
         let Some(stream) = input.streams().best(media::Type::Audio) else {
             return Ok(None);
         };
@@ -71,6 +75,7 @@ impl SoundReader {
         let joints = Joints::of(input.format().name(), tick);
         Ok(Some(Self {
             input,
+            _corrected: file.corrected,
             stream: index,
             decoder,
             tick,

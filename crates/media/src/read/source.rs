@@ -2,7 +2,7 @@
 
 use av::ffi;
 use av::format::context::Input;
-use av::format::stream::{Disposition, Stream};
+use av::format::stream::Stream;
 use av::frame::Video;
 use av::media::Type;
 use ffmpeg_next as av;
@@ -118,21 +118,6 @@ pub(crate) fn sound_of(input: &Input) -> Option<Sound> {
     Some(Sound {
         codec: parameters.id().name().to_owned(),
         channels,
-    })
-}
-
-/// The video stream to read: FFmpeg's choice, never the cover picture of a sound file.
-pub(crate) fn video_stream(input: &Input) -> Option<Stream<'_>> {
-    let is_cover = |stream: &Stream| stream.disposition().contains(Disposition::ATTACHED_PIC);
-    let is_video = |stream: &Stream| stream.parameters().medium() == Type::Video;
-    let best = input
-        .streams()
-        .best(Type::Video)
-        .filter(|stream| !is_cover(stream));
-    best.or_else(|| {
-        input
-            .streams()
-            .find(|stream| is_video(stream) && !is_cover(stream))
     })
 }
 
@@ -303,5 +288,5 @@ pub(crate) fn pixel_aspect_of(input: &Input, stream: &Stream, first: &Video) -> 
 /// Whether the demuxer reads single images.
 pub(crate) fn is_image_format(input: &Input) -> bool {
     let name = input.format().name().to_owned();
-    name == "image2" || name.ends_with("_pipe")
+    name == "image2" || name == "ico" || name.ends_with("_pipe")
 }

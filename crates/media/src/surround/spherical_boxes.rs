@@ -49,10 +49,7 @@ pub fn broken_boxes(file: &mut (impl Read + Seek)) -> Vec<BrokenBox> {
     let Ok(end) = file.seek(SeekFrom::End(0)) else {
         return Vec::new();
     };
-    let mut boxes = Boxes {
-        file,
-        left: MOST_BOXES,
-    };
+    let mut boxes = Boxes::of(file);
     let tracks: Vec<Found> = boxes
         .named(0..end, *b"moov")
         .into_iter()
@@ -78,10 +75,7 @@ pub(crate) struct ApertureNumbers {
 /// The `clap` box of the first video track that has one.
 pub(crate) fn aperture_numbers(file: &mut (impl Read + Seek)) -> Option<ApertureNumbers> {
     let end = file.seek(SeekFrom::End(0)).ok()?;
-    let mut boxes = Boxes {
-        file,
-        left: MOST_BOXES,
-    };
+    let mut boxes = Boxes::of(file);
     let films = boxes.named(0..end, *b"moov");
     let tracks = films.into_iter().next()?;
     let tracks = boxes.named(tracks.inside, *b"trak");
@@ -98,11 +92,11 @@ pub(crate) fn broken_boxes_of(path: &Path) -> Vec<BrokenBox> {
 }
 
 /// A box: its name, where that stands, how long the box says it is, and what it holds.
-struct Found {
-    name: [u8; 4],
-    at: u64,
-    size: u64,
-    inside: Range<u64>,
+pub(crate) struct Found {
+    pub(crate) name: [u8; 4],
+    pub(crate) at: u64,
+    pub(crate) size: u64,
+    pub(crate) inside: Range<u64>,
 }
 
 impl Found {
@@ -128,13 +122,23 @@ impl Found {
     }
 }
 
-struct Boxes<'a, R> {
+/// Reads the heads of the boxes of a file, at most so many.
+pub(crate) struct Boxes<'a, R> {
     file: &'a mut R,
     left: u32,
 }
 
-impl<R: Read + Seek> Boxes<'_, R> {
-    fn word(&mut self, at: u64) -> Option<u32> {
+impl<'a, R: Read + Seek> Boxes<'a, R> {
+    /// Of a file.
+    pub(crate) fn of(file: &'a mut R) -> Self {
+        Self {
+            file,
+            left: MOST_BOXES,
+        }
+    }
+
+    /// Four bytes as a number.
+    pub(crate) fn word(&mut self, at: u64) -> Option<u32> {
         self.file.seek(SeekFrom::Start(at)).ok()?;
         let mut bytes = [0; 4];
         self.file.read_exact(&mut bytes).ok()?;
@@ -163,7 +167,7 @@ impl<R: Read + Seek> Boxes<'_, R> {
     }
 
     /// The boxes that follow each other here, up to the first that is shorter than its head.
-    fn all(&mut self, within: Range<u64>) -> Vec<Found> {
+    pub(crate) fn all(&mut self, within: Range<u64>) -> Vec<Found> {
         let mut found: Vec<Found> = Vec::new();
         let mut at = within.start;
         while found.last().is_none_or(|last| last.size >= HEAD)
@@ -176,13 +180,15 @@ impl<R: Read + Seek> Boxes<'_, R> {
         found
     }
 
-    fn named(&mut self, within: Range<u64>, name: [u8; 4]) -> Vec<Found> {
+    /// Those of a name.
+    pub(crate) fn named(&mut self, within: Range<u64>, name: [u8; 4]) -> Vec<Found> {
         let mut all = self.all(within);
         all.retain(|one| one.name == name);
         all
     }
 
-    fn first(&mut self, within: Range<u64>, name: [u8; 4]) -> Option<Found> {
+    /// The first box of a name.
+    pub(crate) fn first(&mut self, within: Range<u64>, name: [u8; 4]) -> Option<Found> {
         self.named(within, name).into_iter().next()
     }
 

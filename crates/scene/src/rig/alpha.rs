@@ -82,7 +82,7 @@ fn transposed(values: &[u16], [w, h]: [usize; 2]) -> Vec<u16> {
 
 /// Columns and rows of a PNG of at most so many pixels, and the share of linear light of each.
 fn shares(bytes: &[u8], most: u64, gamma: f64) -> Result<([u32; 2], Vec<u16>), String> {
-    let damaged = |error: png::DecodingError| format!("is no sound PNG: {error}");
+    let damaged = |error: png::DecodingError| format!("is not a sound PNG: {error}");
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: MOST_HELD });
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(damaged)?;

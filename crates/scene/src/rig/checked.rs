@@ -104,7 +104,10 @@ fn panel(entry: &PanelEntry, key: &str, ipd: f64, read: ReadBeside<'_>) -> Resul
     let field = field(entry, key)?;
     let axes = axes(&entry.pose, key)?;
     if !(0.0..=90.0).contains(&entry.blend) {
-        return wrong("blend", format!("{} is no angle of 0 to 90°", entry.blend));
+        return wrong(
+            "blend",
+            format!("{} is not an angle of 0 to 90°", entry.blend),
+        );
     }
     if entry.gain.iter().any(|it| !(0.0..=100.0).contains(it)) {
         return wrong("gain", format!("{:?} are not all 0 to 100", entry.gain));
@@ -159,14 +162,34 @@ fn alpha_of(
     })
 }
 
+/// Whether a character cannot be part of a file's name on every system.
+fn names_no_file(it: char) -> bool {
+    it.is_control() || "/\\:*?\"<>|".contains(it)
+}
+
+/// An id that can name a panel and its files, as close to the one given as it gets.
+pub(super) fn good_id(id: &str) -> String {
+    const MOST: usize = 80;
+    let safe = id.replace(names_no_file, "-");
+    let safe = safe.trim_matches(['.', ' ']);
+    let mut end = safe.len().min(MOST);
+    while !safe.is_char_boundary(end) {
+        end -= 1;
+    }
+    match safe[..end].trim_end_matches(['.', ' ']) {
+        "" => "region".to_owned(),
+        "atlas" => "atlas-region".to_owned(),
+        safe => safe.to_owned(),
+    }
+}
+
 /// Why an id cannot name a panel and its files.
 pub(super) fn bad_id(id: &str) -> Option<String> {
     let short: String = id.chars().take(40).collect();
     if id.is_empty() || id.len() > 100 {
         return Some(format!("{short:?} is not 1 to 100 bytes long"));
     }
-    let is_bad = |it: char| it.is_control() || "/\\:*?\"<>|".contains(it);
-    if id.contains(is_bad) || id.starts_with('.') || id.ends_with(['.', ' ']) {
+    if id.contains(names_no_file) || id.starts_with('.') || id.ends_with(['.', ' ']) {
         return Some(format!(
             "{short:?} names no file: pictures are called as panels are"
         ));
@@ -179,7 +202,7 @@ fn field(entry: &PanelEntry, key: &str) -> Result<Field, WrongKey> {
     let (name, field) = match (entry.size, entry.tangents) {
         (Some([w, h]), None) => {
             if !(w > 0.0 && h > 0.0) {
-                return wrong(".size", format!("{w} x {h} is no size above 0"));
+                return wrong(".size", format!("{w} x {h} is not a size above 0"));
             }
             (".size", Field::symmetric([w / 2.0, h / 2.0]))
         }
@@ -206,7 +229,7 @@ fn axes(pose: &PoseEntry, key: &str) -> Result<Axes, WrongKey> {
         if let Some(angle) = angle.filter(|it| it.is_nan() || it.abs() > MOST_DEGREES) {
             return wrong(
                 &format!(".{name}"),
-                format!("{angle} is no angle in degrees"),
+                format!("{angle} is not an angle in degrees"),
             );
         }
     }

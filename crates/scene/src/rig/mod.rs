@@ -88,9 +88,18 @@ pub struct NotedRig {
 /// about an eye are taken.
 pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig, RigError> {
     let Some(kind) = RigKind::of(path) else {
-        let what = "is no rig file that can be read; give one that ends in .toml, .json, .mpcdi, \
-                    .xml, .data, .mesh, .txt or .csv";
-        return Err(RigFault::new("", what, NEXT).in_file(path));
+        return Err(match path.is_dir() {
+            true => {
+                let next = "give a rig file in it, which ends in .toml or .json, or an .mpcdi";
+                RigFault::new("", "is a folder", next).in_file(path)
+            }
+            false => {
+                let what = "is not a rig file that Foveal reads";
+                let next = "give one that ends in .toml, .json, .mpcdi, .xml, .data, .mesh, .txt \
+                            or .csv (docs/formats/panels.md)";
+                RigFault::new("", what, next).in_file(path)
+            }
+        });
     };
     let most = kind.most_bytes();
     let bytes = plain_bytes(path, most).map_err(|error| match error {
@@ -99,7 +108,7 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
             RigFault::new("", what, "check the path and the permissions").in_file(path)
         }
         PlainBytesError::Other | PlainBytesError::Large(..) => {
-            let what = format!("is no file of at most {most} bytes");
+            let what = format!("is not a plain file of at most {most} bytes");
             RigFault::new("", what, NEXT).in_file(path)
         }
     })?;
@@ -202,7 +211,7 @@ fn beside(rig: &Path, name: &str) -> Result<Vec<u8>, String> {
     bytes_of(file, MOST_BESIDE).map_err(|error| match error {
         PlainBytesError::System(error) => format!("cannot be read: {error}"),
         PlainBytesError::Other | PlainBytesError::Large(..) => {
-            format!("is no file of at most {MOST_BESIDE} bytes")
+            format!("is not a plain file of at most {MOST_BESIDE} bytes")
         }
     })
 }
@@ -214,7 +223,7 @@ fn parse_rig(
 ) -> Result<Rig, RigFault> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let place = format!("byte {}", error.valid_up_to());
-        RigFault::new(&place, "is no text in UTF-8", NEXT)
+        RigFault::new(&place, "is not text in UTF-8", NEXT)
     })?;
     let text = RigText { text, syntax };
     let said: entries::RigEntries = text.parse()?;

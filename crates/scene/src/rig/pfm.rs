@@ -60,7 +60,7 @@ impl<'a> FloatMap<'a> {
         let (words, floats) = header(bytes)?;
         let [kind, width, height, scale] = words;
         if kind != "PF" {
-            return Err("is no map of three floats: it does not begin with PF".to_owned());
+            return Err("is not a map of three floats: it does not begin with PF".to_owned());
         }
         let whole = |word: &str| word.parse::<u32>().ok();
         let (Some(columns), Some(lines)) = (whole(width), whole(height)) else {
@@ -306,7 +306,8 @@ fn header(bytes: &[u8]) -> Result<([&str; 4], &[u8]), String> {
         rest = &rest[start.ok_or_else(cut)?..];
         let end = rest.iter().take(32).position(u8::is_ascii_whitespace);
         let end = end.ok_or_else(cut)?;
-        *word = std::str::from_utf8(&rest[..end]).map_err(|_| "is no such map".to_owned())?;
+        *word = std::str::from_utf8(&rest[..end])
+            .map_err(|_| "is not a map of three floats".to_owned())?;
         rest = &rest[end..];
     }
     // A line that Windows ended is ended by two.

@@ -2,6 +2,7 @@
 
 use super::rig_args::read_noting;
 use crate::options::policy::parse_size;
+use crate::report::fault::without_numbers;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -133,8 +134,12 @@ impl ImportArgs {
                  ends in .obj, .ply, .stl, .gltf or .glb, or leave --projector out"
             ))),
             (false, true) if is_foreign(&self.file) => Ok(()),
+            (false, true) if self.file.is_dir() => bail!(WrongUsage(format!(
+                "{name}: is a folder; give the file in it that describes the panels: an .mpcdi, \
+                 or an .xml with its maps beside it, or a warp mesh in .data, .mesh, .txt or .csv"
+            ))),
             (false, true) => bail!(WrongUsage(format!(
-                "{name}: is no MPCDI, warp mesh or wall by its ending; give one that ends in \
+                "{name}: is not an MPCDI, warp mesh or wall by its ending; give one that ends in \
                  .mpcdi, .xml, .data, .mesh, .txt or .csv, or a wall in .obj, .ply, .stl, .gltf or \
                  .glb with --projector"
             ))),
@@ -163,7 +168,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let (Some(stem), Some("toml")) = (stem, ending) else {
         let name = args.out.display();
         return Err(wrong(format!(
-            "--out {name}: is no name of a rig file; end it in .toml"
+            "--out {name}: is not the name of a rig file; end it in .toml"
         )));
     };
     if args.out.exists() {
@@ -189,7 +194,7 @@ pub(crate) fn run(args: &ImportArgs) -> anyhow::Result<()> {
     let report = ImportReport {
         panels: rig.panels.len(),
         files: names,
-        remarks: notes,
+        remarks: notes.iter().map(|it| without_numbers(it)).collect(),
     };
     let mut text = format!("{}\n", counted(report.panels, "panel"));
     for file in &report.files {

@@ -42,13 +42,29 @@ pub(super) fn advises(error: &anyhow::Error) -> bool {
         .any(|link| advice_apart(link).1.is_some())
 }
 
+/// A text without the system's numbers of errors, whose words stand before them.
+pub(crate) fn without_numbers(text: &str) -> String {
+    const BEFORE: &str = " (os error ";
+    let mut parts = text.split(BEFORE);
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let number = part.split_once(')');
+        let is_number = |it: &str| !it.is_empty() && it.bytes().all(|it| it.is_ascii_digit());
+        match number.filter(|(number, _)| is_number(number)) {
+            Some((_, rest)) => plain.push_str(rest),
+            None => plain = [&plain, BEFORE, part].concat(),
+        }
+    }
+    plain
+}
+
 /// A cause, which may come from elsewhere.
 type Cause = dyn std::error::Error;
 
 /// The messages of an error and its causes, without those that another has said already.
 fn links(error: &anyhow::Error, said: fn(&&Cause) -> String) -> Vec<String> {
     let mut links: Vec<String> = Vec::new();
-    for cause in error.chain().map(|cause| said(&cause)) {
+    for cause in error.chain().map(|cause| without_numbers(&said(&cause))) {
         if !links.iter().any(|link| link.contains(&cause)) {
             links.push(cause);
         }

@@ -10,6 +10,7 @@ use crate::report::called::Called;
 use crate::report::visible::bounded;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use message::Message;
+pub(crate) use message::without_numbers;
 use serde::Serialize;
 use std::borrow::Cow;
 

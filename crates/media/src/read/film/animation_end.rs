@@ -27,7 +27,7 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
         [b'G', b'I', b'F', ..] => {
             let end = file.seek(SeekFrom::End(0)).ok()?;
             file.seek(SeekFrom::Start(10)).ok()?;
-            match gif(file, end) {
+            match gif(file, end, &mut |_| {}) {
                 // The parts of a whole picture are all there, or reading fails.
                 None => Some("it ends within a picture".to_owned()),
                 Some(false) => Some("something in it is no part of a picture".to_owned()),
@@ -36,6 +36,24 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
         }
         _ => None,
     }
+}
+
+/// Columns and rows of a GIF's screen, and those that its pictures reach; none of another file.
+pub(super) fn gif_sizes(file: &mut (impl Read + Seek)) -> Option<[[u32; 2]; 2]> {
+    let end = file.seek(SeekFrom::End(0)).ok()?;
+    file.seek(SeekFrom::Start(0)).ok()?;
+    let mut head = [0; 10];
+    file.read_exact(&mut head).ok()?;
+    if !head.starts_with(b"GIF8") {
+        return None;
+    }
+    let side = |k: usize| u32::from(u16::from_le_bytes([head[k], head[k + 1]]));
+    let mut reached = [0; 2];
+    // Those before a damaged part count.
+    let _ = gif(file, end, &mut |[x, y, w, h]| {
+        reached = [reached[0].max(x + w), reached[1].max(y + h)];
+    });
+    Some([[side(6), side(8)], reached])
 }
 
 /// What an animated PNG lacks.
@@ -86,7 +104,8 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
 
 /// Goes through a GIF from the flags of its screen on, up to its end mark or the end of the file
 /// between two pictures; none where it ends within one, false where something is no part of one.
-fn gif(file: &mut (impl Read + Seek), end: u64) -> Option<bool> {
+/// Tells the left edge, upper edge, width and height of each picture.
+fn gif(file: &mut (impl Read + Seek), end: u64, tell: &mut dyn FnMut([u32; 4])) -> Option<bool> {
     let flags = byte(file)?;
     skip(file, 2 + table(flags), end)?;
     loop {
@@ -97,7 +116,10 @@ fn gif(file: &mut (impl Read + Seek), end: u64) -> Option<bool> {
                 byte(file)?;
             }
             Some(b',') => {
-                skip(file, 8, end)?;
+                let mut place = [0; 8];
+                file.read_exact(&mut place).ok()?;
+                let side = |k: usize| u32::from(u16::from_le_bytes([place[k], place[k + 1]]));
+                tell([side(0), side(2), side(4), side(6)]);
                 let flags = byte(file)?;
                 skip(file, table(flags) + 1, end)?;
             }

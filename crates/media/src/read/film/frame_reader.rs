@@ -12,12 +12,16 @@ use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
+use crate::read::film::corrected_file::CorrectedFile;
 use crate::read::film::cut_short::{ToldEnd, why_cut};
 use crate::read::film::damage_log::DamageLog;
+use crate::read::film::film_notes::{FilmNotes, guessed_rate};
 use crate::read::film::holes::Pieces;
-use crate::read::film::joints::Joints;
+use crate::read::film::joints::{Joints, is_ogg_header};
 use crate::read::film::mending::{Beginning, Judge, Mending, Place};
-use crate::read::film::opening::{open_input, read_packet};
+use crate::read::film::opening::{OpenFile, open_input, read_packet};
+use crate::read::film::other_file::other_file;
+use crate::read::film::track_choice::shown_track;
 use crate::read::source;
 use crate::surround::clean_aperture::{CleanAperture, clean_aperture_of};
 use crate::surround::spherical_boxes::broken_boxes_of;
@@ -67,6 +71,9 @@ impl Break {
 /// The video stream of an open file.
 pub(crate) struct FrameReader {
     input: Input,
+    /// Read by the input, which is gone before it.
+    _corrected: Option<CorrectedFile>,
+    notes: FilmNotes,
     stream: usize,
     decoder: decoder::Video,
     /// Written by the decoder and the reader of the file, which are gone before them.
@@ -107,13 +114,14 @@ impl FrameReader {
         bytes: u64,
         most_left_out: Option<u64>,
     ) -> Result<Self, MediaError> {
-        let (input, file_log) = film_at(path)?;
-        let Some(stream) = source::video_stream(&input) else {
+        let (file, file_log) = film_at(path)?;
+        let (input, corrected) = (file.input, file.corrected);
+        let stream = shown_track(path, &input).and_then(|it| input.stream(it));
+        let Some(stream) = stream else {
             let found = source::stream_kinds(&input);
-            return Err(MediaError::NoVideoStream {
-                path: path.to_owned(),
-                found,
-            });
+            let path = path.to_owned();
+            let no_video = |path| MediaError::NoVideoStream { path, found };
+            return Err(other_file(&path).unwrap_or_else(|| no_video(path)));
         };
         // A picture that is damaged is refused: there is no other that shows what is missing.
         let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
@@ -136,12 +144,16 @@ impl FrameReader {
         };
         let joints = Joints::of(input.format().name(), stream.time_base());
         let stream = stream.index();
-        let why_cut = why_cut(path, bytes, input.format().name());
+        let format = input.format().name().to_owned();
+        let why_cut = why_cut(path, bytes, &format);
+        let notes = FilmNotes::of((path, bytes), (&input, stream), file.told);
         let told_end = ToldEnd::of(&input);
         let is_mp4 = input.format().name().contains("mp4");
         let aperture = is_mp4.then(|| clean_aperture_of(path)).flatten();
         Ok(Self {
             input,
+            _corrected: corrected,
+            notes,
             stream,
             decoder,
             log,
@@ -183,6 +195,16 @@ impl FrameReader {
     /// The video stream; None only if the file lost it.
     pub(crate) fn stream(&self) -> Option<Stream<'_>> {
         self.input.stream(self.stream)
+    }
+
+    /// What a person should know of the file, whatever its frames are.
+    pub(crate) fn notes(&self) -> &FilmNotes {
+        &self.notes
+    }
+
+    /// That nothing gives its rate, once a frame was decoded.
+    pub(crate) fn guessed_rate(&self) -> Option<String> {
+        guessed_rate((&self.input, self.stream), &self.decoder)
     }
 
     /// Whether damage is concealed and counted.
@@ -384,6 +406,9 @@ impl FrameReader {
                 return Ok(None);
             }
             self.told_end.note(&self.input, packet);
+            if self.is_container("ogg") && is_ogg_header(packet) {
+                continue;
+            }
             // Some containers hold packets without data, which decoders refuse.
             if packet.stream() == self.stream && packet.size() > 0 {
                 return Ok(Some(self.joints.follow(packet)));
@@ -449,7 +474,7 @@ enum Step {
 }
 
 /// Opens a film, with a log of what is reported meanwhile and later, which must outlive it.
-fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
+fn film_at(path: &Path) -> Result<(OpenFile, DamageLog), MediaError> {
     start();
     let cannot_open = |reason| MediaError::Open {
         path: path.to_owned(),
@@ -461,11 +486,14 @@ fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
         reason,
     };
     let log = DamageLog::of_container();
-    let input =
+    let file =
         open_input(&absolute, Some(&log)).map_err(|reason| match is_system_full(&reason) {
             true => cannot_open(reason),
-            false => refused_box(path).unwrap_or_else(|| not_video(reason)),
+            false => other_file(path)
+                .or_else(|| refused_box(path))
+                .unwrap_or_else(|| not_video(reason)),
         })?;
+    let input = &file.input;
     // Lists make FFmpeg read files that were not named here.
     if matches!(input.format().name(), "hls" | "concat" | "dash") {
         return Err(not_video(
@@ -477,12 +505,13 @@ fn film_at(path: &Path) -> Result<(Input, DamageLog), MediaError> {
         return Err(not_video("it is a text file".to_owned()));
     }
     let has_codec = |stream: Stream| stream.parameters().id() != Id::None;
-    if source::video_stream(&input).is_some_and(|stream| !has_codec(stream)) {
-        return Err(not_video(
-            "it does not say how its pictures are coded".to_owned(),
-        ));
+    let shown = shown_track(path, input).and_then(|it| input.stream(it));
+    if shown.is_some_and(|stream| !has_codec(stream)) {
+        return Err(other_file(path).unwrap_or_else(|| {
+            not_video("it does not say how its pictures are coded".to_owned())
+        }));
     }
-    Ok((input, log))
+    Ok((file, log))
 }
 
 /// What the container says of how a stream is coded.

@@ -1,7 +1,7 @@
 //! Where were recordings joined, so that the time stamps of a stream start again?
 //!
-//! Transport and program streams may be joined end to end as they are (`cat A.ts B.ts`). Within one
-//! recording the time to decode at never goes back.
+//! Transport and program streams, and Oggs, may be joined end to end as they are (`cat A.ts B.ts`).
+//! Within one recording the time to decode at never goes back.
 
 use ffmpeg_next::{Packet, Rational};
 
@@ -9,6 +9,10 @@ use ffmpeg_next::{Packet, Rational};
 /// second: FFmpeg treats a stamp below the first one as wrapped around. In seconds.
 const BACK_S: f64 = 0.1;
 const FORWARD_S: f64 = 3600.0;
+
+/// Headers that an Ogg hands out as pictures where another film follows in it: what the first byte
+/// is at least, and what follows it or begins it.
+const OGG_HEADERS: [(u8, &[u8]); 2] = [(0x80, b"theora"), (0, b"VP80")];
 
 /// The stamps of one stream, one recording after another.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +31,7 @@ pub(crate) struct Joints {
 impl Joints {
     /// For a stream whose stamps have this unit, in the container that FFmpeg calls so.
     pub(crate) fn of(container: &str, tick: Rational) -> Self {
-        let joins = matches!(container, "mpegts" | "mpeg");
+        let joins = matches!(container, "mpegts" | "mpeg" | "ogg");
         let tick = f64::from(tick);
         Self {
             tick: (joins && tick > 0.0).then_some(tick),
@@ -85,6 +89,16 @@ impl Joints {
         self.last = Some([at, lasted]);
         is_joint
     }
+}
+
+/// Whether a packet of an Ogg describes a stream.
+pub(crate) fn is_ogg_header(packet: &Packet) -> bool {
+    let bytes = packet.data().and_then(<[u8]>::split_first);
+    bytes.is_some_and(|(first, rest)| {
+        OGG_HEADERS
+            .iter()
+            .any(|(least, name)| first >= least && rest.starts_with(name))
+    })
 }
 
 #[cfg(test)]

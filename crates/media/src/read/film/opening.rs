@@ -13,6 +13,9 @@ use av::ffi;
 use av::format::context::Input;
 use ffmpeg_next as av;
 
+use crate::plain_file::first_bytes;
+use crate::read::film::corrected_file::CorrectedFile;
+use crate::read::film::corrections::Corrections;
 use crate::read::film::damage_log::DamageLog;
 
 /// Most bytes that are read for a packet, or to open a file. FFmpeg keeps them four times over.
@@ -113,17 +116,48 @@ fn nothing(most: i64) -> String {
     format!("{} MiB of it hold nothing to show", most >> 20)
 }
 
-/// Opens a file and finds its streams. The log, if there is one, hears what is reported
-/// meanwhile and later, and must outlive it. The error says why it is not opened.
+/// An open file. What is corrected of it outlives what reads it, and so comes last.
+pub(crate) struct OpenFile {
+    pub(crate) input: Input,
+    pub(crate) corrected: Option<CorrectedFile>,
+    /// What was corrected, in words.
+    pub(crate) told: Vec<String>,
+}
+
+/// FFmpeg's formats that it does not find by itself, and what their files begin with.
+const UNFOUND: [(&CStr, [&[u8]; 2]); 1] = [(c"phm_pipe", [b"PH\n", b"Ph\n"])];
+
+/// The format of a file that FFmpeg takes for another; null for others.
+#[allow(unsafe_code)] // ffmpeg-next has no formats by name.
+fn format_of(path: &Path) -> *const ffi::AVInputFormat {
+    let head = first_bytes(path, 8).unwrap_or_default();
+    let is_one = |(_, heads): &&(&CStr, [&[u8]; 2])| heads.iter().any(|it| head.starts_with(it));
+    match UNFOUND.iter().find(is_one) {
+        // SAFETY: the name ends in NUL; what comes back is a constant of the library, or null.
+        Some((name, _)) => unsafe { ffi::av_find_input_format(name.as_ptr()) },
+        None => ptr::null(),
+    }
+}
+
+/// Opens a file and finds its streams, with what is wrong in its head corrected. The log, if there
+/// is one, hears what is reported meanwhile and later, and must outlive it. The error says why it is
+/// not opened.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
-pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, String> {
+pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<OpenFile, String> {
+    let corrections = Corrections::of(path);
+    let told = corrections.told.clone();
+    let corrected = match corrections.is_empty() {
+        true => None,
+        false => Some(CorrectedFile::open(path, corrections)?),
+    };
+    let format = format_of(path);
     let name = path.to_str().and_then(|it| CString::new(it).ok());
     let name = name.ok_or("its name cannot be passed to FFmpeg")?;
     let mut options = av::Dictionary::new();
     // A name with %d in it is a name, not a series of pictures.
     options.set("pattern_type", "none");
     let search = Search::begin();
-    let told = |status: c_int| search.told(&av::Error::from(status));
+    let why = |status: c_int| search.told(&av::Error::from(status));
     // SAFETY: the context was allocated here, and is freed by `avformat_open_input` where that
     // fails, else closed here or owned by what is returned; its callback is given itself, which
     // outlives its files; name and options outlive the call, which leaves a dictionary that is
@@ -140,20 +174,26 @@ pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<Input, 
             callback: Some(is_interrupted),
             opaque: context.cast(),
         };
+        if let Some(corrected) = &corrected {
+            (*context).pb = corrected.as_ptr();
+        }
         let mut left = options.disown();
         let name = name.as_ptr();
-        let opened =
-            ffi::avformat_open_input(&raw mut context, name, ptr::null_mut(), &raw mut left);
+        let opened = ffi::avformat_open_input(&raw mut context, name, format, &raw mut left);
         drop(av::Dictionary::own(left));
         if opened < 0 {
-            return Err(told(opened));
+            return Err(why(opened));
         }
         let found = ffi::avformat_find_stream_info(context, ptr::null_mut());
         if found < 0 {
             ffi::avformat_close_input(&raw mut context);
-            return Err(told(found));
+            return Err(why(found));
         }
-        Ok(Input::wrap(context))
+        Ok(OpenFile {
+            input: Input::wrap(context),
+            corrected,
+            told,
+        })
     }
 }
 

@@ -13,6 +13,7 @@ use foveal_core::view::picture::Picture;
 use crate::error::MediaError;
 use crate::read::convert::{Converter, Layout};
 use crate::read::deliver::{FrameConversion, has_alpha};
+use crate::read::film::film_notes::FilmNotes;
 use crate::read::film::frame_reader::{Break, FrameReader};
 use crate::read::film::frames::Frames;
 use crate::read::film::mended::Mended;
@@ -74,10 +75,14 @@ impl StreamInput {
         let coded_size = [first.width(), first.height()];
         let coded_aspect = first.aspect_ratio();
         let mut conversion = conversion;
-        let mut info = SourceInfo {
-            tags,
-            ..describe(reader, &stream, first, &conversion, bytes)
-        };
+        let FilmNotes { corrected, other } = reader.notes();
+        tags.broken.extend_from_slice(corrected);
+        tags.notes.extend_from_slice(other);
+        tags.notes.extend(reader.guessed_rate());
+        tags.notes.extend(conversion.light_as(first, tags.power));
+        let mut info = describe(reader, &stream, first, &conversion, bytes);
+        info.is_hdr |= tags.is_hdr;
+        info.tags = tags;
         look_at(&mut info, first, &mut conversion);
         if frames.has_two_pictures_a_frame() {
             info.frame_rate[0] = info.frame_rate[0].saturating_mul(2);

@@ -67,6 +67,7 @@ impl HeifStill {
             photo_sphere: shown.photo_sphere,
             broken: heif.passed_over.clone(),
             notes: shown.notes.clone(),
+            ..StillTags::default()
         };
         let aspect = heif.pixel_aspect.map(|sides| sides.map(|side| side as i32));
         let aspect = aspect.filter(|[w, h]| *w > 0 && *h > 0 && w != h && w / h < 8 && h / w < 8);

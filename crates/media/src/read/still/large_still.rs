@@ -78,7 +78,14 @@ impl LargeStill {
             Kind::Png => "png",
             Kind::Jpeg => "mjpeg",
         };
-        let tags = StillTags::of(path);
+        let mut tags = StillTags::of(path);
+        tags.notes.extend(tags.power.map(|power| {
+            format!(
+                "its samples are light to the power of {power:.3} (gAMA), which is passed over in \
+                 a picture as large: it looks darker or brighter than it is meant"
+            )
+        }));
+        let is_hdr = tags.is_hdr;
         let [width, height] = tags.orientation.turned_size(size);
         let info = SourceInfo {
             width,
@@ -96,7 +103,7 @@ impl LargeStill {
             sound: None,
             transparency: None,
             pixel_aspect: None,
-            is_hdr: false,
+            is_hdr,
             is_interlaced: false,
             codec: codec.to_owned(),
             pixel_format: "rgb24".to_owned(),

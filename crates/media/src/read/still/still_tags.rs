@@ -3,7 +3,7 @@
 //! EXIF of JPEG, PNG, WebP and TIFF files says which way is up, XMP of JPEG and PNG files (before
 //! the pixels) whether the picture is of a sphere.
 
-use std::io::{BufRead, BufReader, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use exif::{In, Reader, Tag};
@@ -11,13 +11,15 @@ use zune_jpeg::JpegDecoder;
 
 use crate::plain_file::open_plain;
 use crate::read::orientation::Orientation;
+use crate::read::still::png_says::PngSays;
+use crate::read::still::tiff_head::TiffHead;
 use crate::surround::photo_sphere::PhotoSphere;
 
 /// What text chunk of a PNG file holds XMP.
 const XMP_OF_PNG: &str = "XML:com.adobe.xmp";
 
 /// What a file says, and what of it cannot be read.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StillTags {
     /// Which way up its samples lie.
     pub(crate) orientation: Orientation,
@@ -27,6 +29,10 @@ pub struct StillTags {
     pub broken: Vec<String>,
     /// What else a person should know of it.
     pub notes: Vec<String>,
+    /// Its samples are light to this power, where that is not what displays expect.
+    pub(crate) power: Option<f64>,
+    /// Whether its samples follow PQ or HLG.
+    pub(crate) is_hdr: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +41,7 @@ enum Kind {
     Png,
     WebP,
     Tiff,
+    BigTiff,
 }
 
 impl StillTags {
@@ -51,7 +58,26 @@ impl StillTags {
         let Some(kind) = kind_of(file) else {
             return tags;
         };
-        match orientation_of(file) {
+        let oriented = match kind {
+            Kind::Png => {
+                let says = PngSays::read(file);
+                (tags.power, tags.is_hdr) = (says.power, says.is_hdr);
+                orientation_of(
+                    says.exif
+                        .map(|it| Reader::new().continue_on_error(true).read_raw(it)),
+                )
+            }
+            Kind::BigTiff => orientation_of(None),
+            Kind::WebP => orientation_of(
+                exif_of_webp(file).map(|it| Reader::new().continue_on_error(true).read_raw(it)),
+            ),
+            Kind::Jpeg | Kind::Tiff => orientation_of(Some(
+                Reader::new()
+                    .continue_on_error(true)
+                    .read_from_container(file),
+            )),
+        };
+        match oriented {
             Ok(orientation) => tags.orientation = orientation,
             Err((orientation, why)) => {
                 tags.orientation = orientation;
@@ -60,10 +86,14 @@ impl StillTags {
                 ));
             }
         }
+        if matches!(kind, Kind::Tiff | Kind::BigTiff) {
+            let pages = TiffHead::read(file).and_then(|it| it.pages_note());
+            tags.notes.extend(pages);
+        }
         let xmp = match kind {
             Kind::Jpeg => xmp_of_jpeg(file),
             Kind::Png => xmp_of_png(file),
-            Kind::WebP | Kind::Tiff => None,
+            Kind::WebP | Kind::Tiff | Kind::BigTiff => None,
         };
         match xmp.as_deref().map(PhotoSphere::of_xmp) {
             Some(Ok(sphere)) => tags.photo_sphere = sphere,
@@ -87,16 +117,20 @@ fn kind_of(file: &mut (impl BufRead + Seek)) -> Option<Kind> {
         [0x89, b'P', b'N', b'G', ..] => Some(Kind::Png),
         [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P'] => Some(Kind::WebP),
         [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => Some(Kind::Tiff),
+        [b'I', b'I', 43, 0, ..] | [b'M', b'M', 0, 43, ..] => Some(Kind::BigTiff),
         _ => None,
     }
 }
 
-/// The orientation; where EXIF is broken, what can still be read of it, and why it is broken.
-fn orientation_of(file: &mut (impl BufRead + Seek)) -> Result<Orientation, (Orientation, String)> {
+/// The orientation by EXIF, if there is any; where that is broken, what can still be read of it,
+/// and why it is broken.
+fn orientation_of(
+    read: Option<Result<exif::Exif, exif::Error>>,
+) -> Result<Orientation, (Orientation, String)> {
     let upright = Orientation::default();
-    let read = Reader::new()
-        .continue_on_error(true)
-        .read_from_container(file);
+    let Some(read) = read else {
+        return Ok(upright);
+    };
     let (exif, broken) = match read {
         Ok(exif) => (exif, None),
         Err(exif::Error::NotFound(_)) => return Ok(upright),
@@ -122,6 +156,31 @@ fn orientation_of(file: &mut (impl BufRead + Seek)) -> Result<Orientation, (Orie
             broken.unwrap_or_else(unknown),
         )),
     }
+}
+
+/// The EXIF of a WebP, however long that says it is.
+fn exif_of_webp(file: &mut (impl BufRead + Seek)) -> Option<Vec<u8>> {
+    /// What some writers put before it.
+    const HEAD: &[u8] = b"Exif\0\0";
+    const MOST_CHUNKS: u32 = 4096;
+    const MOST_BYTES: u64 = 1 << 20;
+    let mut at = 12;
+    for _ in 0..MOST_CHUNKS {
+        file.seek(SeekFrom::Start(at)).ok()?;
+        let mut head = [0; 8];
+        file.read_exact(&mut head).ok()?;
+        let length = u64::from(u32::from_le_bytes(*head[4..].first_chunk()?));
+        if head.starts_with(b"EXIF") && length <= MOST_BYTES {
+            let mut exif = Vec::new();
+            file.take(length).read_to_end(&mut exif).ok()?;
+            return Some(match exif.strip_prefix(HEAD) {
+                Some(rest) => rest.to_vec(),
+                None => exif,
+            });
+        }
+        at += 8 + length + length % 2;
+    }
+    None
 }
 
 /// What has been read is kept where the decoder refuses what follows.

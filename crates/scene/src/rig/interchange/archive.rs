@@ -28,7 +28,7 @@ impl<'a> Archive<'a> {
             return Err(format!("holds more than {MOST_ENTRIES} files"));
         }
         let zip = ZipArchive::new(Cursor::new(bytes));
-        let zip = zip.map_err(|error| format!("is no whole zip: {error}"))?;
+        let zip = zip.map_err(|error| format!("is not a whole zip: {error}"))?;
         // Names that are not text are skipped: nothing asks for them.
         let names = zip
             .file_names()

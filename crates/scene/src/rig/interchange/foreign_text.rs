@@ -29,7 +29,11 @@ pub(super) fn text_of(bytes: &[u8]) -> Result<Cow<'_, str>, RigFault> {
         }
         Err(error) => {
             let place = format!("byte {}", error.valid_up_to());
-            Err(RigFault::new(&place, "is no text in UTF-8 or UTF-16", NEXT))
+            Err(RigFault::new(
+                &place,
+                "is not text in UTF-8 or UTF-16",
+                NEXT,
+            ))
         }
     }
 }

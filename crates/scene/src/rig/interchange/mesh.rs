@@ -25,6 +25,8 @@ const WIDEST: f64 = 8.0;
 /// Most nodes, and how often they may cover a display's pixels.
 const MOST_NODES: usize = 1 << 20;
 const MOST_COVERED: u64 = 64;
+/// Most bytes of a text whose lines do not follow nodes.
+const MOST_REFLOWED: usize = 1 << 26;
 /// Largest number of a node.
 const LARGEST: f64 = 1e5;
 /// Largest place of a node in the picture that is a share of its width or height; larger ones count
@@ -45,6 +47,8 @@ struct MeshNode {
     at: [f64; 2],
     shows: [f64; 2],
     light: f64,
+    /// Whether its light is the mean of red, green and blue.
+    is_coloured: bool,
 }
 
 /// The share of light where nothing is drawn.
@@ -52,7 +56,11 @@ const UNLIT: f64 = -1.0;
 
 impl MeshNode {
     fn next<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Self, RigFault> {
-        let (line, five) = next_numbers(lines, "x, y, u, v and i of a node", 4..=5)?;
+        let (line, five) = next_numbers(lines, "x, y, u, v and i of a node", 4..=7)?;
+        if five.len() == 6 {
+            let what = "is not x, y, u, v and i of a node";
+            return Err(RigFault::new(&format!("line {line}"), what, NEXT));
+        }
         let is_number = five.iter().all(|it| it.is_finite());
         if is_number && five.iter().any(|it| it.abs() > LARGEST) {
             let what = format!("a node has numbers above {LARGEST}");
@@ -63,10 +71,14 @@ impl MeshNode {
             at: [five[0], five[1]],
             shows: [five[2], five[3]],
             // A node with a value that is not a number is not drawn.
-            light: match five.get(4) {
+            light: match five.get(4..) {
                 _ if !is_number => f64::NAN,
-                light => light.copied().unwrap_or(1.0),
+                Some(colours) if !colours.is_empty() => {
+                    colours.iter().sum::<f64>() / colours.len() as f64
+                }
+                _ => 1.0,
             },
+            is_coloured: five.len() == 7,
         })
     }
 
@@ -83,6 +95,7 @@ impl Default for MeshNode {
             at: [0.0; 2],
             shows: [0.0; 2],
             light: UNLIT,
+            is_coloured: false,
         }
     }
 }
@@ -221,9 +234,52 @@ fn next_numbers<'a>(
     sound.map(|it| (line, it)).ok_or_else(fault)
 }
 
+/// The same text with a line for each node, where its lines do not follow nodes; none where they
+/// do, or its numbers do not come out even.
+fn reflowed(text: &str) -> Option<String> {
+    let lines = text.lines().map(without_comment);
+    let lines: Vec<&str> = lines
+        .filter(|it| !it.is_empty() && !is_heading(it))
+        .collect();
+    let counts = words(lines.get(..2).map_or("", |it| it[1]), 7).len();
+    let first = words(lines.first()?, 8).len();
+    // The type alone or with the counts, then lines of nodes.
+    let is_usual = match (first, counts) {
+        (1, 2) => lines
+            .get(2)
+            .is_none_or(|it| (4..=7).contains(&words(it, 8).len())),
+        (3, 4..=7) => true,
+        _ => false,
+    };
+    if is_usual || text.len() > MOST_REFLOWED {
+        return None;
+    }
+    let all: Vec<&str> = lines
+        .iter()
+        .flat_map(|it| words(it, MOST_NODES * 8))
+        .collect();
+    let count = |k: usize| {
+        all.get(k)?
+            .parse::<usize>()
+            .ok()
+            .filter(|it| *it <= MOST_NODES)
+    };
+    let nodes = count(1)?.checked_mul(count(2)?).filter(|it| *it > 0)?;
+    let rest = all.get(3..)?;
+    let of_node = [5, 4].into_iter().find(|of| rest.len() == nodes * of)?;
+    let mut text = format!("{}\n{} {}\n", all[0], all[1], all[2]);
+    for node in rest.chunks(of_node) {
+        text.push_str(&node.join(" "));
+        text.push('\n');
+    }
+    Some(text)
+}
+
 impl WarpMesh {
     /// Of text whose lines end in line feeds; with what is left out of it.
     fn of(text: &str) -> Result<(Self, Vec<String>), RigFault> {
+        let reflowed = reflowed(text);
+        let text = reflowed.as_deref().unwrap_or(text);
         let lines = (1..).zip(text.lines().map(without_comment));
         let lines = lines.filter(|(_, line)| !line.is_empty() && !is_heading(line));
         let mut lines = lines.peekable();
@@ -265,6 +321,11 @@ impl WarpMesh {
             format!("line {line} and what follows come after the nodes and are not read")
         }));
         let mut mesh = Self { columns, nodes };
+        if mesh.nodes.iter().any(|it| it.is_coloured) {
+            let what = "its light has colours: the mean of red, green and blue is taken";
+            notes.push(what.to_owned());
+        }
+        notes.extend(mesh.light_up());
         mesh.check_places()?;
         notes.extend(mesh.level_light());
         Ok((mesh, notes))
@@ -288,6 +349,27 @@ impl WarpMesh {
             }
             false => Ok(()),
         }
+    }
+
+    /// Lights all nodes where none has any, so that nothing would be drawn, and says so.
+    fn light_up(&mut self) -> Option<String> {
+        let there = |it: &&mut MeshNode| it.is_number() && it.line > 0;
+        if self.nodes.iter().any(|it| it.light > 0.0) {
+            return None;
+        }
+        // Where some have 0, those below it are holes.
+        let least = match self.nodes.iter().any(|it| it.light == 0.0) {
+            true => 0.0,
+            false => f64::NEG_INFINITY,
+        };
+        let mut dark: Vec<_> = self.nodes.iter_mut().filter(there).collect();
+        dark.retain(|it| it.light >= least);
+        dark.iter_mut().for_each(|it| it.light = 1.0);
+        (!dark.is_empty()).then(|| {
+            "none of its nodes has a light above 0, with which nothing would be drawn: it is drawn \
+             in full light"
+                .to_owned()
+        })
     }
 
     /// Converts light in other units to shares, and says so.

@@ -134,6 +134,8 @@ struct MpcdiRegion<'a> {
     aspect: f64,
     /// Columns and rows of the buffer, where it gives them.
     buffer: Option<[f64; 2]>,
+    /// Whether its own id names no file.
+    is_renamed: bool,
     /// What was mended, in words.
     notes: Vec<String>,
 }
@@ -141,7 +143,7 @@ struct MpcdiRegion<'a> {
 impl<'a> MpcdiDocument<'a> {
     fn of(root: XmlElement<'a>) -> Result<Self, RigFault> {
         if !root.is_called("mpcdi") {
-            return Err(root.fault("", "is no MPCDI: its first element has another name"));
+            return Err(root.fault("", "is not an MPCDI: its first element has another name"));
         }
         let profile = root.said("profile").unwrap_or("3d");
         let profile = match profile.to_ascii_lowercase().as_str() {
@@ -159,6 +161,12 @@ impl<'a> MpcdiDocument<'a> {
                     return Err(element.fault("", what));
                 }
                 regions.push(MpcdiRegion::of(buffer, element, regions.len() + 1)?);
+            }
+        }
+        for region in &mut regions {
+            if checked::bad_id(&region.id).is_some() {
+                region.id = checked::good_id(&region.id);
+                region.is_renamed = true;
             }
         }
         let mut known = std::collections::HashSet::new();
@@ -187,7 +195,7 @@ impl<'a> MpcdiDocument<'a> {
             let (pose, tangents) = match (screen, space) {
                 (Some(screen), _) => (PoseEntry::default(), region.on_screen(screen)),
                 (None, Some(space)) => space.around(),
-                (None, None) => region.before_eye()?,
+                (None, None) => region.before_eye(&mut filling.notes)?,
             };
             Ok(region.entry(pose, tangents))
         });
@@ -208,6 +216,7 @@ impl<'a> MpcdiDocument<'a> {
             let Some(set) = self.files_of(region) else {
                 continue;
             };
+            filling.note_unread(&region.id, set);
             let alpha = filling.shares((region.element, region.size), set, "alphaMap")?;
             let warp = match (space, named(set, "geometryWarpFile")) {
                 (Some(space), _) => space.map,
@@ -235,9 +244,14 @@ impl<'a> MpcdiDocument<'a> {
                 .attribute("id")
                 .is_some_and(|own| !own.is_empty() && own != id)
             {
-                notes.push(format!(
-                    "region {id:?} is called so here: its id is there twice"
-                ));
+                let own = region.element.attribute("id").unwrap_or_default();
+                notes.push(match region.is_renamed {
+                    true => format!(
+                        "region {:?} is called {id:?} here: its id cannot be part of a file's name",
+                        own.chars().take(40).collect::<String>()
+                    ),
+                    false => format!("region {id:?} is called so here: its id is there twice"),
+                });
             }
             if let Some([w, h]) = region.other_share() {
                 let [own_w, own_h] = region.size;
@@ -410,7 +424,7 @@ impl<'a> MpcdiRegion<'a> {
             })?;
             let whole = pixels.round();
             if (pixels - whole).abs() > ROUNDED || !(1.0..=1e6).contains(&whole) {
-                return Err(element.fault(name, format!("{pixels} is no count of pixels")));
+                return Err(element.fault(name, format!("{pixels} is not a count of pixels")));
             }
             size[k] = whole as u32;
         }
@@ -438,6 +452,7 @@ impl<'a> MpcdiRegion<'a> {
             origin: origin.map(|at| at.round().clamp(0.0, 1e6) as u32),
             aspect: (w / h).clamp(1e-3, 1e3),
             buffer: picture.map(|(w, h)| [w, h]),
+            is_renamed: false,
             notes,
         })
     }
@@ -517,7 +532,7 @@ impl<'a> MpcdiRegion<'a> {
         }
     }
 
-    fn before_eye(&self) -> Result<(PoseEntry, TangentsEntry), RigFault> {
+    fn before_eye(&self, notes: &mut Vec<String>) -> Result<(PoseEntry, TangentsEntry), RigFault> {
         let Some(frustum) = self.element.child("frustum") else {
             let what = "missing: where the region looks is unknown";
             return Err(self.element.fault("frustum", what));
@@ -531,17 +546,31 @@ impl<'a> MpcdiRegion<'a> {
             match degrees.abs() <= WIDEST {
                 true => Ok(degrees.to_radians().tan()),
                 false => {
-                    let what = format!("{degrees} is no angle within {WIDEST}°");
+                    let what = format!("{degrees} is not an angle within {WIDEST}°");
                     Err(self.element.fault(name, what))
                 }
             }
         };
-        let [left, right, up, down] = [
+        let [mut left, right, up, mut down] = [
             tangent("leftAngle")?,
             tangent("rightAngle")?,
             tangent("upAngle")?,
             tangent("downAngle")?,
         ];
+        for (name, low, high) in [
+            ("leftAngle", &mut left, right),
+            ("downAngle", &mut down, up),
+        ] {
+            // Some write how far it reaches to each side, without signs.
+            if *low > 0.0 && high > 0.0 && *low >= high {
+                *low = -*low;
+                notes.push(format!(
+                    "region {:?}: its {name} is positive, which lies on the other side of its \
+                     axis: it is treated as negative",
+                    self.id
+                ));
+            }
+        }
         for (name, low, high) in [("leftAngle", left, right), ("downAngle", down, up)] {
             if low >= high {
                 let what = "it is not below the opposite one: left and down are negative";

@@ -31,6 +31,10 @@ const UNITS: [(&str, f64); 7] = [
     ("yd", 0.9144),
 ];
 
+/// What of the files of a region is read, and how many other kinds are named.
+const READ: [&str; 3] = ["geometryWarpFile", "alphaMap", "betaMap"];
+const MOST_UNREAD: usize = 8;
+
 /// What is said of names that lead out of the folder or archive.
 const LEADS_OUT: [&str; 2] = ["leads out", "names no file in"];
 
@@ -115,6 +119,26 @@ impl<'a> MpcdiFilling<'a> {
             ));
         }
         Ok(bytes)
+    }
+
+    /// Says which files of a region are of kinds that are not read.
+    pub(super) fn note_unread(&mut self, region: &str, set: XmlElement<'_>) {
+        let is_read = |name: &str| READ.iter().any(|it| name.eq_ignore_ascii_case(it));
+        let mut unread: Vec<String> = set
+            .child_names()
+            .filter(|name| !is_read(name))
+            .map(|name| name.chars().take(40).collect())
+            .take(MOST_UNREAD)
+            .collect();
+        unread.sort();
+        unread.dedup();
+        if !unread.is_empty() {
+            let verb = if unread.len() == 1 { "is" } else { "are" };
+            self.notes.push(format!(
+                "region {region:?}: its {} {verb} not read: what that would change is not drawn",
+                unread.join(", ")
+            ));
+        }
     }
 
     /// Says of a map of a region that it is of another size.

@@ -58,6 +58,12 @@ impl<'a> XmlElement<'a> {
         self.node.tag_name().name().eq_ignore_ascii_case(name)
     }
 
+    /// The names of the elements directly in it.
+    pub(super) fn child_names(self) -> impl Iterator<Item = &'a str> {
+        let all = self.node.children().filter(Node::is_element);
+        all.map(|it| it.tag_name().name())
+    }
+
     /// The elements directly in it of a name.
     pub(super) fn children(self, name: &str) -> impl Iterator<Item = Self> {
         let all = self.node.children().filter(Node::is_element);
@@ -105,7 +111,7 @@ impl<'a> XmlElement<'a> {
         let text: String = text.chars().take(40).collect();
         number
             .map(Some)
-            .ok_or_else(|| self.fault(name, format!("{text:?} is no number")))
+            .ok_or_else(|| self.fault(name, format!("{text:?} is not a number")))
     }
 
     /// What is wrong with what it says of a name.

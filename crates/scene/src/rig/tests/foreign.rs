@@ -336,7 +336,7 @@ type WrongDocument = (String, &'static [&'static str]);
 fn wrong_documents() -> [WrongDocument; 15] {
     let sound = document(FRUSTUM, "");
     [
-        (sound.replace("MPCDI", "HTML"), &["line 2", "no MPCDI"]),
+        (sound.replace("MPCDI", "HTML"), &["line 2", "not an MPCDI"]),
         (sound.replace("\"3d\"", "\"4d\""), &["line 2", "is not"]),
         (
             document("", ""),
@@ -346,10 +346,13 @@ fn wrong_documents() -> [WrongDocument; 15] {
             sound.replace("<roll>-3</roll>", ""),
             &["line 4", "roll", "does not give"],
         ),
-        (sound.replace(">20<", ">NaN<"), &["rightAngle", "no number"]),
+        (
+            sound.replace(">20<", ">NaN<"),
+            &["rightAngle", "not a number"],
+        ),
         (
             sound.replace(">20<", ">90<"),
-            &["line 4", "rightAngle", "no angle within 89.9"],
+            &["line 4", "rightAngle", "not an angle within 89.9"],
         ),
         (
             sound.replace(">-25<", ">25<"),
@@ -361,7 +364,7 @@ fn wrong_documents() -> [WrongDocument; 15] {
         ),
         (
             sound.replace("\"8\"", "\"8.5\""),
-            &["line 4", "xResolution", "no count of pixels"],
+            &["line 4", "xResolution", "not a count of pixels"],
         ),
         (
             sound.replace("\"8\"", "\"99999\""),

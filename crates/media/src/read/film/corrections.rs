@@ -1,0 +1,182 @@
+//! Which numbers in the head of a file are wrong, so that FFmpeg would draw or time it wrong, and
+//! which are right?
+
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::plain_file::{first_bytes, open_plain};
+use crate::read::film::animation_end::gif_sizes;
+use crate::read::film::mp4_says::times_of_zero;
+
+/// Most sides of a GIF.
+const MOST_SIDE: u32 = u16::MAX as u32;
+/// Where a GIF says how large its screen is, and a WebP how long it is.
+const SCREEN: u64 = 6;
+const RIFF_LENGTH: u64 = 4;
+/// Most parts of a WebP.
+const MOST_PARTS: u32 = 4096;
+
+/// Bytes that replace those of a file, and what was wrong.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Corrections {
+    /// Where they stand in the file, and what they are to be.
+    pub(super) bytes: Vec<(u64, Vec<u8>)>,
+    /// In words, for people.
+    pub(crate) told: Vec<String>,
+}
+
+impl Corrections {
+    /// Of the file at `path`; none where it cannot be read.
+    pub(crate) fn of(path: &Path) -> Self {
+        let Ok((mut file, _)) = open_plain(path) else {
+            return Self::default();
+        };
+        // A GIF is read through; of others a few words here and there are.
+        let is_gif = first_bytes(path, 4).is_ok_and(|it| it == b"GIF8");
+        match is_gif {
+            true => corrections(&mut BufReader::new(file)),
+            false => corrections(&mut file),
+        }
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// Corrects bytes that stand at a place in the file.
+    pub(super) fn correct(&self, at: u64, bytes: &mut [u8]) {
+        let end = at + bytes.len() as u64;
+        for (place, right) in &self.bytes {
+            for (place, byte) in (*place..)
+                .zip(right)
+                .filter(|(it, _)| (at..end).contains(it))
+            {
+                bytes[(place - at) as usize] = *byte;
+            }
+        }
+    }
+}
+
+/// Those of any file, of which the heads of parts are read.
+pub fn corrections(file: &mut (impl Read + Seek)) -> Corrections {
+    let mut head = [0; 12];
+    let is_read = file.seek(SeekFrom::Start(0)).is_ok() && file.read_exact(&mut head).is_ok();
+    let found = match (is_read, &head[..4], &head[4..8], &head[8..]) {
+        (true, b"GIF8", ..) => screen(file),
+        (true, b"RIFF", told, b"WEBP") => {
+            let told = told.first_chunk().map_or(0, |it| u32::from_le_bytes(*it));
+            riff_length(file, told)
+        }
+        (true, _, b"ftyp" | b"moov" | b"mdat" | b"wide" | b"free" | b"skip", _) => {
+            Some(times_of_zero(file))
+        }
+        _ => None,
+    };
+    found.unwrap_or_default()
+}
+
+/// The screen of a GIF that does not hold all of its pictures, as large as they are.
+fn screen(file: &mut (impl Read + Seek)) -> Option<Corrections> {
+    let [told, reached] = gif_sizes(file)?;
+    let right = [0, 1].map(|k| told[k].max(reached[k]).min(MOST_SIDE));
+    let bytes = right.map(|side| (side as u16).to_le_bytes()).concat();
+    (right != told && !right.contains(&0)).then(|| Corrections {
+        bytes: vec![(SCREEN, bytes)],
+        told: vec![format!(
+            "its screen of {}x{} pixels does not hold its pictures: {}x{} are shown",
+            told[0], told[1], right[0], right[1]
+        )],
+    })
+}
+
+/// The length of a WebP that says that it is longer, and whose parts end with the file.
+fn riff_length(file: &mut (impl Read + Seek), told: u32) -> Option<Corrections> {
+    let end = file.seek(SeekFrom::End(0)).ok()?;
+    let mut at = 12_u64;
+    for _ in 0..MOST_PARTS {
+        if at >= end {
+            break;
+        }
+        let mut head = [0; 8];
+        file.seek(SeekFrom::Start(at)).ok()?;
+        file.read_exact(&mut head).ok()?;
+        let length = u64::from(u32::from_le_bytes(*head[4..].first_chunk()?));
+        at += 8 + length + length % 2;
+    }
+    // The last byte may only pad it to an even length.
+    let is_whole = at == end || at == end + 1;
+    let right = u32::try_from(at.checked_sub(8)?).ok()?;
+    let is_wrong = u64::from(told) > end.checked_sub(8)? + 1;
+    (is_whole && is_wrong).then(|| Corrections {
+        bytes: vec![(RIFF_LENGTH, right.to_le_bytes().to_vec())],
+        told: vec![format!(
+            "it says that it is {told} bytes long, and all of it is there in {right}"
+        )],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::io::Cursor;
+
+    fn gif(screen: [u8; 2], pictures: &[[u8; 4]]) -> Vec<u8> {
+        let mut bytes = b"GIF89a".to_vec();
+        bytes.extend([screen[0], 0, screen[1], 0, 0, 0, 0]);
+        for [x, y, w, h] in pictures {
+            bytes.extend([b',', *x, 0, *y, 0, *w, 0, *h, 0, 0, 2, 1, 7, 0]);
+        }
+        bytes.push(b';');
+        bytes
+    }
+
+    fn webp(told: u32) -> Vec<u8> {
+        let body = b"WEBPVP8L\x03\0\0\0abc\0";
+        [&b"RIFF"[..], &told.to_le_bytes(), body].concat()
+    }
+
+    fn found(bytes: &[u8]) -> Vec<(u64, Vec<u8>)> {
+        corrections(&mut Cursor::new(bytes)).bytes
+    }
+
+    #[test]
+    fn a_screen_holds_all_pictures_and_a_length_is_that_of_the_file() {
+        let pictures = [[0, 0, 9, 8], [5, 0, 7, 3]];
+        assert_eq!(found(&gif([12, 8], &pictures)), []);
+        assert_eq!(found(&gif([0, 0], &pictures)), [(6, vec![12, 0, 8, 0])]);
+        assert_eq!(found(&gif([4, 20], &pictures)), [(6, vec![12, 0, 20, 0])]);
+        assert_eq!(found(&gif([0, 0], &[])), []);
+        assert_eq!(found(&webp(16)), []);
+        assert_eq!(found(&webp(400)), [(4, vec![16, 0, 0, 0])]);
+        // One that is cut stays so.
+        assert_eq!(found(&webp(400)[..22]), []);
+    }
+
+    #[test]
+    fn bytes_are_corrected_wherever_reading_begins() {
+        let corrections = Corrections {
+            bytes: vec![(3, vec![7, 8])],
+            told: Vec::new(),
+        };
+        for from in 0..6 {
+            let mut bytes = [0; 8][from..].to_vec();
+            corrections.correct(from as u64, &mut bytes);
+            assert_eq!(bytes, [0, 0, 0, 7, 8, 0, 0, 0][from..]);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic(
+            at in any::<prop::sample::Index>(), byte in any::<u8>(), is_gif in any::<bool>(),
+        ) {
+            let mut bytes = if is_gif { gif([2, 2], &[[0, 1, 2, 3]]) } else { webp(99) };
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+            found(&bytes);
+            found(&bytes[..at]);
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What is known of a still that is decoded here, and what does it show?
+
+use av::frame::Video;
+use ffmpeg_next as av;
+use foveal_core::view::picture::Picture;
+
+use crate::read::deliver::FrameConversion;
+use crate::read::source::{SourceInfo, Transparency};
+use crate::read::still::still_tags::StillTags;
+
+/// A still that is read, and handed out once.
+pub(crate) struct DecodedStill {
+    info: SourceInfo,
+    picture: Option<Picture>,
+}
+
+impl DecodedStill {
+    /// Of its samples and of what a file of so many bytes says of them. The error says why they
+    /// cannot be shown.
+    pub(crate) fn of(
+        frame: &Video,
+        mut tags: StillTags,
+        (codec, bytes): (&str, u64),
+    ) -> Result<Self, String> {
+        let mut conversion = FrameConversion::new(frame, tags.orientation, false)?;
+        tags.notes.extend(conversion.light_as(frame, tags.power));
+        let picture = conversion.picture(frame)?;
+        let info = SourceInfo {
+            width: picture.width,
+            height: picture.height,
+            frame_rate: [25, 1],
+            frames: Some(1),
+            frames_told: None,
+            seconds: None,
+            colour: conversion.colour(),
+            spherical: None,
+            stereo: None,
+            tags,
+            broken_boxes: Vec::new(),
+            camera: None,
+            sound: None,
+            transparency: conversion
+                .has_seen_through()
+                .then_some(Transparency::OverBlack),
+            pixel_aspect: None,
+            is_hdr: false,
+            is_interlaced: false,
+            codec: codec.to_owned(),
+            pixel_format: frame
+                .format()
+                .descriptor()
+                .map_or("unknown", |it| it.name())
+                .to_owned(),
+            bytes,
+            looks_still: true,
+        };
+        Ok(Self {
+            info,
+            picture: Some(picture),
+        })
+    }
+
+    /// What is known of it.
+    pub(crate) fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    /// The picture; `None` when it has been taken.
+    pub(crate) fn picture(&mut self) -> Option<Picture> {
+        self.picture.take()
+    }
+}
