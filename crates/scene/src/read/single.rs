@@ -16,7 +16,7 @@ use crate::source::{SourceMesh, SourceScene};
 /// How a scene is written in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
-    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes decide.
+    /// glTF 2.0, as `.gltf`, or as `.glb` or `.vrm`: the file's first bytes decide.
     Gltf,
     /// Wavefront OBJ with its MTL.
     Obj,
@@ -34,7 +34,7 @@ impl SceneFormat {
     pub fn of(file: &Path) -> Option<Self> {
         let ending = file.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
-            "glb" | "gltf" => Some(Self::Gltf),
+            "glb" | "gltf" | "vrm" => Some(Self::Gltf),
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use super::error::Fault;
+use super::glued;
 use foveal_core::units::one_line;
+use memchr::memchr2;
 
 /// A line and its number, counted from 1.
 pub(super) struct Line<'a> {
@@ -13,23 +15,23 @@ pub(super) struct Line<'a> {
 
 /// The lines of a file, which end in LF, CR or both.
 pub(super) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
-    let mut rest = Some(bytes);
+    // Looked through once, not line by line.
+    let whole = core::str::from_utf8(bytes).ok();
+    let mut at = Some(0);
     let mut number = 0;
     std::iter::from_fn(move || {
-        let left = rest?;
+        let begin = at?;
         number += 1;
-        let end = left.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-        let Some(end) = end else {
-            rest = None;
-            let text = text_of(left);
-            return Some(Line { number, text });
-        };
-        let behind = match left[end..] {
+        let end = memchr2(b'\n', b'\r', &bytes[begin..]).map(|it| begin + it);
+        at = end.map(|end| match bytes[end..] {
             [b'\r', b'\n', ..] => end + 2,
             _ => end + 1,
+        });
+        let line = begin..end.unwrap_or(bytes.len());
+        let text = match whole {
+            Some(whole) => Cow::Borrowed(&whole[line]),
+            None => text_of(&bytes[line]),
         };
-        rest = Some(&left[behind..]);
-        let text = text_of(&left[..end]);
         Some(Line { number, text })
     })
 }
@@ -89,6 +91,8 @@ pub(super) struct Words<'a> {
     rest: &'a str,
     /// How many numbers had a decimal comma.
     pub(super) commas: usize,
+    /// How many numbers had no blank before them.
+    pub(super) glued: usize,
     /// Whether a word should have been a number, and was not.
     pub(super) is_broken: bool,
 }
@@ -99,6 +103,7 @@ impl<'a> Words<'a> {
             line: line.number,
             rest: &line.text,
             commas: 0,
+            glued: 0,
             is_broken: false,
         }
     }
@@ -157,8 +162,54 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// The numbers up to the end of the line or a comment. Where some have no blank between them,
+    /// they are parted if they are then as many as `fits` asks for.
+    pub(super) fn row(&mut self, fits: impl Fn(usize) -> bool) -> Row {
+        let mut row = Row::default();
+        let mut has_comment = true;
+        loop {
+            while let Some(number) = self.plain() {
+                row.push(number);
+            }
+            if has_comment {
+                self.leave_out_comment();
+                self.leave_out_slashes();
+                has_comment = false;
+            }
+            let before = self.rest;
+            let was_broken = self.is_broken;
+            let Some(number) = self.any_number() else {
+                return row;
+            };
+            if !was_broken && self.is_broken {
+                let words = before.split_ascii_whitespace();
+                let found = glued::numbers(words, |more| fits(row.count + more));
+                if let Some(found) = found {
+                    self.glued += 1;
+                    self.is_broken = false;
+                    self.rest = "";
+                    found.into_iter().for_each(|it| row.push(it));
+                    return row;
+                }
+            }
+            row.push(number);
+        }
+    }
+
+    /// The next word where it is a number in its plainest form, as nearly all are.
+    fn plain(&mut self) -> Option<f64> {
+        let bytes = self.rest.as_bytes();
+        let begin = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let (number, length) = plain_number(&bytes[begin..])?;
+        self.rest = &self.rest[begin + length..];
+        Some(number)
+    }
+
     /// The next word as a number; NaN where it is not a number.
     pub(super) fn any_number(&mut self) -> Option<f64> {
+        if let Some(number) = self.plain() {
+            return Some(number);
+        }
         let word = self.next()?;
         let number = number_of(word, &mut self.commas);
         self.is_broken |= number.is_none();
@@ -185,6 +236,72 @@ impl<'a> Words<'a> {
         self.number_if_any(what)?
             .ok_or_else(|| Fault::line(self.line, format!("{what} is missing")))
     }
+}
+
+/// The first numbers of a line.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Row {
+    values: [f64; MOST_OF_ROW],
+    /// How many there are, beyond those that are kept too.
+    pub(super) count: usize,
+}
+
+/// More have no meaning in any line.
+const MOST_OF_ROW: usize = 8;
+
+impl Row {
+    fn push(&mut self, number: f64) {
+        if let Some(value) = self.values.get_mut(self.count) {
+            *value = number;
+        }
+        self.count += 1;
+    }
+
+    /// Its number at a place; none where it has fewer.
+    pub(super) fn get(&self, at: usize) -> Option<f64> {
+        self.values[..self.count.min(MOST_OF_ROW)].get(at).copied()
+    }
+
+    /// The same; NaN where it has fewer.
+    pub(super) fn at(&self, at: usize) -> f64 {
+        self.get(at).unwrap_or(f64::NAN)
+    }
+}
+
+/// Most digits of a number that is read here: ten to this power is less than 2^64.
+const MOST_DIGITS: usize = 19;
+/// Whole numbers up to here are exact.
+const MOST_EXACT: u64 = 1 << 53;
+const TENS: [f64; MOST_DIGITS + 1] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
+    1e17, 1e18, 1e19,
+];
+
+/// The number at the start of a text and its length, where that is a few digits, maybe a sign
+/// before and a point between them, and a blank or the end follows. Such digits and powers of ten
+/// are exact, so that dividing them rounds once, to what any reader gives. Source: Clinger 1990,
+/// "How to Read Floating Point Numbers Accurately".
+pub(super) fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
+    let is_negative = text.first() == Some(&b'-');
+    let begin = usize::from(is_negative);
+    let (mut whole, mut at, mut point) = (0_u64, begin, None);
+    loop {
+        let byte = text.get(at).copied().unwrap_or(b' ');
+        match byte {
+            b'0'..=b'9' => whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0')),
+            b'.' if point.is_none() => point = Some(at),
+            _ if byte.is_ascii_whitespace() => break,
+            _ => return None,
+        }
+        at += 1;
+    }
+    let digits = at - begin - usize::from(point.is_some());
+    if digits == 0 || digits > MOST_DIGITS || whole > MOST_EXACT {
+        return None;
+    }
+    let behind = point.map_or(0, |point| at - point - 1);
+    let size = whole as f64 / TENS[behind];
+    Some((if is_negative { -size } else { size }, at))
 }
 
 /// The number that a word is, maybe NaN or infinity, as any program writes it: also as C does on
@@ -215,7 +332,11 @@ pub(super) fn number_of(word: &str, commas: &mut usize) -> Option<f64> {
         *commas += usize::from(number.is_some());
         return number;
     }
-    small.replace('d', "e").parse().ok()
+    // C ends real numbers with a letter.
+    let bare = small.strip_suffix(['f', 'd']).unwrap_or(&small);
+    let is_number = bare.ends_with(|it: char| it.is_ascii_digit() || it == '.');
+    let word = if is_number { bare } else { &small };
+    word.replace('d', "e").parse().ok()
 }
 
 /// The start of a word, for a message.
@@ -270,6 +391,46 @@ mod tests {
     }
 
     #[test]
+    fn plain_numbers_are_those_of_any_reader_to_the_last_bit() {
+        let words = [
+            "0",
+            "-0",
+            "7",
+            "5.",
+            ".5",
+            "-.25",
+            "0.1",
+            "-123.456",
+            "9007199254740992",
+            "0.3",
+            "1234567.8901234",
+            "0.000000000000000001",
+            "18446744073709551616",
+            "1.7976931348623157",
+            "9007199254740993",
+            "00000000000000000000001",
+            "0.30000000000000004",
+            "-12.5",
+        ];
+        for word in words {
+            let right: f64 = word.parse().unwrap();
+            if let Some((number, length)) = plain_number(format!("{word} 8").as_bytes()) {
+                assert_eq!(
+                    (number.to_bits(), length),
+                    (right.to_bits(), word.len()),
+                    "{word}"
+                );
+            }
+        }
+        assert_eq!(plain_number(b"-123.456\t"), Some((-123.456, 8)));
+        for word in [
+            "", "-", ".", "+1", "1e5", "1,5", "1-2", "nan", "1..2", "--1",
+        ] {
+            assert_eq!(plain_number(word.as_bytes()), None, "{word}");
+        }
+    }
+
+    #[test]
     fn a_comment_ends_numbers_and_what_c_says_of_none_is_no_comment() {
         let line = Line {
             number: 1,
@@ -292,6 +453,9 @@ mod tests {
             ("1.5D+02", 150.0),
             ("2,", 2.0),
             ("-0,25", -0.25),
+            ("1.0f", 1.0),
+            ("-2.F", -2.0),
+            ("1e3f", 1000.0),
         ] {
             assert_eq!(number_of(word, &mut commas), Some(number), "{word}");
         }
@@ -302,7 +466,7 @@ mod tests {
         for word in ["inf", "-Infinity", "1e999", "1.#INF", "-1.#J"] {
             assert!(number_of(word, &mut commas).is_some_and(f64::is_infinite));
         }
-        for word in ["x", "", "1,2,3", "--", "d"] {
+        for word in ["x", "", "1,2,3", "--", "d", "f", "-f"] {
             assert_eq!(number_of(word, &mut commas), None, "{word}");
         }
     }

@@ -24,7 +24,8 @@ use records::Records;
 /// Reads a LAS or LAZ file into one cloud called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut mends = LasMends::default();
-    let header = LasHeader::parse(bytes, &mut mends)?;
+    let mut header = LasHeader::parse(bytes, &mut mends)?;
+    header.mend_packing(bytes, &mut mends);
     let mut records = Records::new(header.layout);
     let length = header.record_bytes;
     if header.is_packed {
@@ -34,6 +35,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         all.chunks_exact(length)
             .for_each(|record| records.add(record));
     }
+    turn_negative(&mut header, &mut records, &mut mends);
     let mut scene = SourceScene::default();
     if records.has_waves {
         scene.remark("waveforms of laser echoes are not drawn");
@@ -54,4 +56,20 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     };
     scene.clouds = outliers::clouds_on_grid(cloud, &mut scene);
     Ok(scene)
+}
+
+/// Makes lengths of steps positive, and turns places along such axes.
+fn turn_negative(header: &mut LasHeader, records: &mut Records, mends: &mut LasMends) {
+    for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if header.scale[k] < 0.0 {
+            header.scale[k] = -header.scale[k];
+            for place in &mut records.cloud.places {
+                place[k] = place[k].saturating_neg();
+            }
+            mends.negative_scale(format!(
+                "the scale along {name} is negative: whole numbers along it count the other way, \
+                 and are read so"
+            ));
+        }
+    }
 }

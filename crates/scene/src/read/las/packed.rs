@@ -65,6 +65,11 @@ struct Packed<'a> {
     bounds: Option<[[f64; 2]; 3]>,
 }
 
+/// Whether a record says how the points are packed.
+pub(super) fn is_explained(bytes: &[u8], header: &LasHeader) -> bool {
+    header.record(bytes, LASZIP, LASZIP_NUMBER).is_some()
+}
+
 /// Unpacks all points, record by record; a chunk that is damaged, or that is not there, costs its
 /// points.
 pub(super) fn read(

@@ -8,6 +8,7 @@ mod corners;
 mod mtl;
 mod points;
 mod polypaint;
+mod rows;
 mod shown;
 
 use std::collections::{HashMap, HashSet};
@@ -31,6 +32,7 @@ use corners::{Corner, FaceCorner, Late, NO_UV, Vertices};
 use mtl::Library;
 use points::NamedPoints;
 use polypaint::Polypaint;
+use rows::Columns;
 
 /// Reads an OBJ file into one object called `name`.
 pub(super) fn read(
@@ -77,6 +79,7 @@ struct Reader<'a> {
     late: Late,
     points: NamedPoints,
     polypaint: Polypaint,
+    columns: Columns,
     mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
@@ -115,6 +118,7 @@ impl Reader<'_> {
             late: Late::of(first),
             points: NamedPoints::default(),
             polypaint: Polypaint::default(),
+            columns: Columns::default(),
             mends: Mends::default(),
             library: Library::default(),
             libraries: HashSet::new(),
@@ -138,17 +142,7 @@ impl Reader<'_> {
             false => keyword,
         };
         if matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "p" | "l") {
-            words.leave_out_comment();
-            if keyword.starts_with('v') {
-                words.leave_out_slashes();
-            }
-            self.read_numbers(keyword, words)?;
-            let at = words.line;
-            let place = || format!("in line {at}");
-            self.mends.add(mends::COMMA, words.commas, place);
-            let broken = usize::from(words.is_broken);
-            self.mends.add(mends::LINE_BROKEN, broken, place);
-            return Ok(());
+            return self.read_numbers(keyword, words);
         }
         match keyword {
             "usemtl" => {
@@ -167,6 +161,10 @@ impl Reader<'_> {
                 self.polypaint.read(words);
                 Ok(())
             }
+            "call" | "usemap" => {
+                self.leave_out_named(keyword, words);
+                Ok(())
+            }
             _ => {
                 let is_word = keyword.starts_with(|it: char| it.is_alphabetic() || it == '#');
                 let times = usize::from(!is_word && !keyword.starts_with("//"));
@@ -175,68 +173,6 @@ impl Reader<'_> {
                 Ok(())
             }
         }
-    }
-
-    /// Reads a line of numbers. What is no number is NaN, so that later lines keep their numbers.
-    fn read_numbers(&mut self, keyword: &str, words: &mut Words<'_>) -> Result<(), Fault> {
-        let next = |words: &mut Words<'_>| words.any_number().unwrap_or(f64::NAN);
-        match keyword {
-            "v" => self.read_place(words),
-            "vn" => {
-                let normal = [next(words), next(words), next(words)];
-                self.normals.push(normal.map(|along| along as f32));
-            }
-            "vt" => {
-                let (u, v) = (next(words), words.any_number().unwrap_or(0.0));
-                // Here 0 is at the bottom of pictures.
-                let place = [u, 1.0 - v].map(|along| match along.is_finite() {
-                    true => along.clamp(-1e6, 1e6) as f32,
-                    false => f32::NAN,
-                });
-                self.uvs.push(place);
-            }
-            "p" => self.points.read(words, self.places.len()),
-            "l" => {
-                let lines = self.points.read_line(words, self.places.len());
-                count(&mut self.scene.repairs, "lines_left_out", lines);
-            }
-            _ => self.read_face(words)?,
-        }
-        Ok(())
-    }
-
-    /// x, y and z, maybe followed by a weight, which has no meaning here, or by a colour.
-    fn read_place(&mut self, words: &mut Words<'_>) {
-        let mut place = [f64::NAN; 3];
-        for (at, along) in place.iter_mut().enumerate() {
-            match words.any_number() {
-                Some(number) => *along = number,
-                // Drawings have two coordinates.
-                None if at == 2 => {
-                    *along = 0.0;
-                    let line = words.line;
-                    self.mends.add(mends::FLAT, 1, || format!("in line {line}"));
-                }
-                None => {}
-            }
-        }
-        let place = DVec3::from_array(place);
-        let mut more = Vec::new();
-        while let Some(number) = words.any_number() {
-            more.push(number);
-        }
-        let colour = match more.as_slice() {
-            [red, green, blue] | [red, green, blue, _] => {
-                self.colour_depth.add([*red, *green, *blue]);
-                Some([*red as f32, *green as f32, *blue as f32, 1.0])
-            }
-            _ => None,
-        };
-        if colour.is_some() || !self.place_colours.is_empty() {
-            self.place_colours.resize(self.places.len(), UNSAID);
-            self.place_colours.push(colour.unwrap_or(UNSAID));
-        }
-        self.places.push(place);
     }
 
     fn read_face(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
@@ -550,7 +486,7 @@ impl Reader<'_> {
             let colours = points::colours(&shown, &self.place_colours, &mut self.mends);
             let place = |it: &u32| self.places[*it as usize];
             let positions: Vec<DVec3> = shown.iter().map(place).collect();
-            let clouds = outliers::clouds(name, &positions, &colours, &mut self.scene);
+            let clouds = outliers::clouds(name, &positions, colours, &mut self.scene);
             self.scene.clouds.extend(clouds);
         }
     }

@@ -2,6 +2,7 @@
 
 use super::super::error::Fault;
 use super::super::text::shortened;
+use super::colours::{self, ColourColumns};
 
 /// A kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +82,17 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
+/// The name of an element as the format has it, where it is one that other programs write.
+fn element_of(name: &str) -> String {
+    let usual = match name.to_ascii_lowercase().as_str() {
+        "vertex" | "vertices" | "point" | "points" => "vertex",
+        "face" | "faces" | "triangle" | "triangles" | "polygon" | "polygons" => "face",
+        "tristrips" => "tristrips",
+        _ => name,
+    };
+    usual.to_owned()
+}
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PlyHeader {
     pub(super) encoding: Encoding,
@@ -118,14 +130,21 @@ impl PlyHeader {
             header.end += line.len();
             header.lines += 1;
             let text = String::from_utf8_lossy(line);
-            let words: Vec<&str> = text.split_ascii_whitespace().collect();
+            let mut words: Vec<&str> = text.split_ascii_whitespace().collect();
+            // Some write them in capitals.
+            let small = words
+                .first()
+                .map_or_else(String::new, |it| it.to_ascii_lowercase());
+            if let Some(first) = words.first_mut() {
+                *first = &small;
+            }
             match words.as_slice() {
                 ["end_header"] if line.ends_with(&[end_of_line]) => {
                     header.encoding = encoding
                         .ok_or_else(|| Fault::at("header", "the line `format` is missing"))?;
                     return Ok(header);
                 }
-                ["format", name, _version] => encoding = Some(header.encoding_of(name)?),
+                ["format", name, ..] => encoding = Some(header.encoding_of(name)?),
                 ["comment", rest @ ..] => {
                     header.has_textures |= rest.first() == Some(&"TextureFile");
                 }
@@ -141,7 +160,7 @@ impl PlyHeader {
     }
 
     fn encoding_of(&self, name: &str) -> Result<Encoding, Fault> {
-        match name {
+        match name.to_ascii_lowercase().as_str() {
             "ascii" => Ok(Encoding::Text),
             "binary_little_endian" => Ok(Encoding::LittleEndian),
             "binary_big_endian" => Ok(Encoding::BigEndian),
@@ -155,7 +174,7 @@ impl PlyHeader {
         let property = match words {
             ["element", name, count] => {
                 self.elements.push(Element {
-                    name: (*name).to_owned(),
+                    name: element_of(name),
                     count: count.parse().map_err(|_| fault.clone())?,
                     properties: Vec::new(),
                 });
@@ -177,6 +196,28 @@ impl PlyHeader {
             None => return Err(fault),
         }
         Ok(())
+    }
+
+    /// Gives the colours of vertices, where these have intensities too, names that say nothing;
+    /// `false` where nothing else says how light they are.
+    pub(super) fn forget_colours(&mut self) -> bool {
+        let is_vertex = |it: &&mut Element| it.name == "vertex";
+        let Some(vertex) = self.elements.iter_mut().find(is_vertex) else {
+            return false;
+        };
+        let before = vertex.clone();
+        for property in &mut vertex.properties {
+            if colours::is_colour(property)
+                && let Property::One { name, .. } = property
+            {
+                *name = format!("black {name}");
+            }
+        }
+        let has_light = ColourColumns::of(vertex).is_some();
+        if !has_light {
+            *vertex = before;
+        }
+        has_light
     }
 
     fn fault(&self, words: &[&str]) -> Fault {
