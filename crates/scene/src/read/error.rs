@@ -42,8 +42,7 @@ const CONVERTED: [(&[&str], &str); 4] = [
     ),
     (
         &[
-            "pcd", "e57", "xyz", "pts", "ptx", "asc", "csv", "txt", "rcp", "rcs", "fls", "fws",
-            "zfs", "bin", "npy",
+            "pcd", "e57", "xyz", "pts", "ptx", "asc", "rcp", "rcs", "fls", "fws", "zfs",
         ],
         "open it in CloudCompare, and save it as .laz or .ply",
     ),

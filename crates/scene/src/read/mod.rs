@@ -5,7 +5,7 @@ mod colour;
 mod error;
 mod files;
 mod gltf;
-mod glued;
+mod half;
 pub(crate) mod image;
 mod las;
 #[cfg(test)]

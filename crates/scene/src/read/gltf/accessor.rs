@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::super::error::Fault;
+use super::super::half::half;
 use super::super::mends::{
     ACCESSOR_CUT, Mend, Mends, ODD_COMPONENTS, ODD_INDICES, SPARSE_LEFT, STRIDE_TOO_SMALL,
 };
@@ -114,18 +115,6 @@ impl Component {
             value
         }
     }
-}
-
-/// The value of a real number of 16 bits: IEEE 754-2008, binary16.
-fn half(bits: u16) -> f64 {
-    let fraction = f64::from(bits & 0x3ff) / 1024.0;
-    let value = match bits >> 10 & 31 {
-        0 => fraction * (-14.0_f64).exp2(),
-        31 if fraction == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        power => (1.0 + fraction) * (f64::from(power) - 15.0).exp2(),
-    };
-    if bits >> 15 == 1 { -value } else { value }
 }
 
 /// Elements at equal distances in a view.

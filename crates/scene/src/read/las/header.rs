@@ -2,7 +2,6 @@
 
 use super::super::error::Fault;
 use super::mends::LasMends;
-use super::packed;
 use foveal_core::units::counted;
 
 /// What mends counts.
@@ -16,6 +15,8 @@ const RECORD_HEAD: usize = 54;
 const LATER_RECORD_HEAD: usize = 60;
 /// Stands for an unknown number of points.
 const UNCOUNTED: u64 = u32::MAX as u64;
+/// Where the bounds begin: the most and the least of each axis.
+pub(super) const BOUNDS_AT: usize = 179;
 /// Bits of the point format by which LASzip says that points are packed.
 const PACKED: u8 = 0xc0;
 
@@ -76,6 +77,19 @@ impl Layout {
             false => record[15] & 31,
         }
     }
+}
+
+/// Whether a number can be the length of a step, along an axis or against it.
+pub(super) fn is_step(scale: f64) -> bool {
+    scale.is_finite() && scale != 0.0 && scale.abs() <= 1e12
+}
+
+/// How far the header says that points reach along an axis: the least and the most, of a whole
+/// header.
+pub(super) fn bounds_of(bytes: &[u8], axis: usize) -> [f64; 2] {
+    let number = |at: usize| f64::from_bits(long_at(bytes, at));
+    let at = BOUNDS_AT + 16 * axis;
+    [number(at + 8), number(at)]
 }
 
 /// What is to be known of a file before its points.
@@ -300,20 +314,6 @@ impl LasHeader {
         (begin <= bytes.len()).then_some(begin)
     }
 
-    /// Treats points as plain that are said to be packed, though no record says how, and that fit
-    /// exactly as they are.
-    pub(super) fn mend_packing(&mut self, bytes: &[u8], mends: &mut LasMends) {
-        let room = self.points_end.saturating_sub(self.points_at) as u64;
-        let is_exact = self.count.checked_mul(self.record_bytes as u64) == Some(room);
-        if self.is_packed && is_exact && !packed::is_explained(bytes, self) {
-            self.is_packed = false;
-            mends.stale_count(
-                "the points are said to be packed, but are not: they are read as they are"
-                    .to_owned(),
-            );
-        }
-    }
-
     /// The records before the points, each with its head.
     fn each_record<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = (&'a [u8], &'a [u8])> {
         let mut rest = bytes.get(self.header_bytes..self.points_at);
@@ -344,10 +344,6 @@ impl LasHeader {
                 105,
                 format!("a point has {found} bytes, of at least {least}"),
             );
-        }
-        let is_step = |it: &f64| it.is_finite() && *it != 0.0 && it.abs() <= 1e12;
-        if !self.scale.iter().all(is_step) {
-            return wrong(131, format!("the scale {:?} is invalid", self.scale));
         }
         if !self.offset.iter().all(|it| it.abs() <= 1e15) {
             return wrong(155, format!("the offset {:?} is invalid", self.offset));

@@ -10,6 +10,7 @@ mod packed;
 mod records;
 #[cfg(test)]
 mod tests;
+mod unpacking;
 
 use super::colour::mend_codes;
 use super::error::Fault;
@@ -17,7 +18,7 @@ use super::outliers;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
-use header::LasHeader;
+use header::{LasHeader, is_step};
 use mends::LasMends;
 use records::Records;
 
@@ -25,7 +26,7 @@ use records::Records;
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut mends = LasMends::default();
     let mut header = LasHeader::parse(bytes, &mut mends)?;
-    header.mend_packing(bytes, &mut mends);
+    mend_packing(bytes, &mut header, &mut mends);
     let mut records = Records::new(header.layout);
     let length = header.record_bytes;
     if header.is_packed {
@@ -35,6 +36,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         all.chunks_exact(length)
             .for_each(|record| records.add(record));
     }
+    scale_by_bounds(bytes, &mut header, &records, &mut mends)?;
     turn_negative(&mut header, &mut records, &mut mends);
     let mut scene = SourceScene::default();
     if records.has_waves {
@@ -58,6 +60,19 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     Ok(scene)
 }
 
+/// Treats points as plain that are said to be packed, though no record says how, and that fit
+/// exactly as they are.
+fn mend_packing(bytes: &[u8], header: &mut LasHeader, mends: &mut LasMends) {
+    let room = header.points_end.saturating_sub(header.points_at) as u64;
+    let is_exact = header.count.checked_mul(header.record_bytes as u64) == Some(room);
+    if header.is_packed && is_exact && !packed::is_explained(bytes, header) {
+        header.is_packed = false;
+        mends.stale_count(
+            "the points are said to be packed, but are not: they are read as they are".to_owned(),
+        );
+    }
+}
+
 /// Makes lengths of steps positive, and turns places along such axes.
 fn turn_negative(header: &mut LasHeader, records: &mut Records, mends: &mut LasMends) {
     for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -72,4 +87,39 @@ fn turn_negative(header: &mut LasHeader, records: &mut Records, mends: &mut LasM
             ));
         }
     }
+}
+
+/// Makes lengths of steps that are no lengths from how far the header says that points reach.
+fn scale_by_bounds(
+    bytes: &[u8],
+    header: &mut LasHeader,
+    records: &Records,
+    mends: &mut LasMends,
+) -> Result<(), Fault> {
+    for (k, name) in ['x', 'y', 'z'].into_iter().enumerate() {
+        if is_step(header.scale[k]) {
+            continue;
+        }
+        let along = || records.places().iter().map(|it| f64::from(it[k]));
+        let reach = along().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| {
+            [low.min(it), high.max(it)]
+        });
+        let [low, high] = header::bounds_of(bytes, k);
+        let step = (high - low) / (reach[1] - reach[0]);
+        if !(is_step(step) && step > 0.0 && low.abs() <= 1e15) {
+            let what = format!(
+                "the scale {:?} is invalid, and no bounds show it",
+                header.scale
+            );
+            return Err(Fault::at("byte 131", what));
+        }
+        mends.stale_count(format!(
+            "the scale along {name} is {}, which is no length: {step} fits the bounds of all \
+             points",
+            header.scale[k]
+        ));
+        header.scale[k] = step;
+        header.offset[k] = low - reach[0] * step;
+    }
+    Ok(())
 }

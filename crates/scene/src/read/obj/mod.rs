@@ -32,7 +32,6 @@ use corners::{Corner, FaceCorner, Late, NO_UV, Vertices};
 use mtl::Library;
 use points::NamedPoints;
 use polypaint::Polypaint;
-use rows::Columns;
 
 /// Reads an OBJ file into one object called `name`.
 pub(super) fn read(
@@ -79,7 +78,9 @@ struct Reader<'a> {
     late: Late,
     points: NamedPoints,
     polypaint: Polypaint,
-    columns: Columns,
+    /// How many numbers the last `v` and `vt` lines had; 0 before the first.
+    place_columns: usize,
+    uv_columns: usize,
     mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
@@ -118,7 +119,8 @@ impl Reader<'_> {
             late: Late::of(first),
             points: NamedPoints::default(),
             polypaint: Polypaint::default(),
-            columns: Columns::default(),
+            place_columns: 0,
+            uv_columns: 0,
             mends: Mends::default(),
             library: Library::default(),
             libraries: HashSet::new(),

@@ -5,15 +5,8 @@ use glam::DVec3;
 use super::super::error::Fault;
 use super::super::mends;
 use super::super::sound::count;
-use super::super::text::{Row, Words, shortened};
+use super::super::text::{LineNumbers, Words, shortened};
 use super::{Reader, UNSAID};
-
-/// How many numbers lines have: those of the last of each kind whose numbers are parted by blanks.
-#[derive(Debug, Default)]
-pub(super) struct Columns {
-    of_places: usize,
-    of_uvs: usize,
-}
 
 impl Reader<'_> {
     /// Reads a line of numbers. What is no number is NaN, so that later lines keep their numbers.
@@ -51,13 +44,13 @@ impl Reader<'_> {
     }
 
     fn read_uv(&mut self, words: &mut Words<'_>) {
-        let usual = self.columns.of_uvs;
+        let usual = self.uv_columns;
         let row = words.row(|count| match usual {
             0 => matches!(count, 2 | 3),
             usual => count == usual,
         });
         if !words.is_broken {
-            self.columns.of_uvs = row.count;
+            self.uv_columns = row.count;
         }
         let (u, v) = (row.at(0), row.get(1).unwrap_or(0.0));
         // Here 0 is at the bottom of pictures.
@@ -70,13 +63,13 @@ impl Reader<'_> {
 
     /// x, y and z, maybe followed by a weight, which has no meaning here, or by a colour.
     fn read_place(&mut self, words: &mut Words<'_>) {
-        let usual = self.columns.of_places;
+        let usual = self.place_columns;
         let row = words.row(|count| match usual {
             0 => matches!(count, 3 | 6),
             usual => count == usual,
         });
         if !words.is_broken {
-            self.columns.of_places = row.count;
+            self.place_columns = row.count;
         }
         let mut place = [0, 1, 2].map(|at| row.at(at));
         // Drawings have two coordinates.
@@ -94,7 +87,7 @@ impl Reader<'_> {
     }
 
     /// The colour behind x, y and z, maybe with an alpha.
-    fn colour_of(&mut self, row: &Row) -> Option<[f32; 4]> {
+    fn colour_of(&mut self, row: &LineNumbers) -> Option<[f32; 4]> {
         if !matches!(row.count, 6 | 7) {
             return None;
         }

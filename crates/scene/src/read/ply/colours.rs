@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::colour::{Depth, Full, intensities_shown, lighten};
-use super::header::{Element, Property, Scalar};
+use super::header::{Element, PlyHeader, Property, Scalar};
 use crate::source::{Repairs, SourceMesh};
 
 /// What the first coefficient of a splat's colour counts for: the spherical harmonic of degree 0.
@@ -144,9 +144,27 @@ impl ColourColumns {
     }
 }
 
-/// Whether a property is part of a colour, or all of it.
-pub(super) fn is_colour(property: &Property) -> bool {
-    named(property).is_some_and(|name| PACKED.contains(&&*name) || part(&name).is_some())
+/// Gives the colours of vertices, where these have intensities too, names that say nothing;
+/// `false` where nothing else says how light they are.
+pub(super) fn forget_colours(header: &mut PlyHeader) -> bool {
+    let mut elements = header.elements.iter_mut();
+    let Some(vertex) = elements.find(|it| it.name == "vertex") else {
+        return false;
+    };
+    let before = vertex.clone();
+    let is_colour = |name: &str| PACKED.contains(&name) || part(name).is_some();
+    for property in &mut vertex.properties {
+        if let Property::One { name, .. } = property
+            && is_colour(&name.to_ascii_lowercase())
+        {
+            *name = format!("black {name}");
+        }
+    }
+    let has_light = ColourColumns::of(vertex).is_some();
+    if !has_light {
+        *vertex = before;
+    }
+    has_light
 }
 
 /// The colours of rows, as the file has them.
@@ -246,10 +264,13 @@ impl PlyColours {
         if let (Kind::Intensity, Some([least, most])) = (self.kind, self.range) {
             let what = &told.what;
             let [from, to] = self.shown.unwrap_or([least, most]);
-            let cut = match from.min(0.0) > least || to < most {
-                true => format!("; {from} and less are black, {to} and more white"),
-                false => String::new(),
-            };
+            let mut cut = String::new();
+            if from > least {
+                cut += &format!("; {from} and less are black");
+            }
+            if to < most {
+                cut += &format!("; {to} and more are white");
+            }
             told.remarks.push(format!(
                 "{what} have no colours, but intensities from {least} to {most}: they are shown as \
                  grey{cut}"
@@ -373,7 +394,7 @@ impl Scalar {
             Self::U32 => f64::from(u32::MAX),
             Self::I64 => i64::MAX as f64,
             Self::U64 => u64::MAX as f64,
-            Self::F32 | Self::F64 => 1.0,
+            Self::F16 | Self::F32 | Self::F64 => 1.0,
         }
     }
 }

@@ -2,7 +2,6 @@
 
 use super::super::error::Fault;
 use super::super::text::shortened;
-use super::colours::{self, ColourColumns};
 
 /// A kind of number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +14,7 @@ pub(super) enum Scalar {
     U32,
     I64,
     U64,
+    F16,
     F32,
     F64,
 }
@@ -30,6 +30,7 @@ impl Scalar {
             "uint" | "uint32" => Self::U32,
             "int64" | "long" => Self::I64,
             "uint64" | "ulong" => Self::U64,
+            "half" | "float16" => Self::F16,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -38,13 +39,13 @@ impl Scalar {
     }
 
     pub(super) fn is_whole(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
+        !matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
             Self::I64 | Self::U64 | Self::F64 => 8,
         }
@@ -196,28 +197,6 @@ impl PlyHeader {
             None => return Err(fault),
         }
         Ok(())
-    }
-
-    /// Gives the colours of vertices, where these have intensities too, names that say nothing;
-    /// `false` where nothing else says how light they are.
-    pub(super) fn forget_colours(&mut self) -> bool {
-        let is_vertex = |it: &&mut Element| it.name == "vertex";
-        let Some(vertex) = self.elements.iter_mut().find(is_vertex) else {
-            return false;
-        };
-        let before = vertex.clone();
-        for property in &mut vertex.properties {
-            if colours::is_colour(property)
-                && let Property::One { name, .. } = property
-            {
-                *name = format!("black {name}");
-            }
-        }
-        let has_light = ColourColumns::of(vertex).is_some();
-        if !has_light {
-            *vertex = before;
-        }
-        has_light
     }
 
     fn fault(&self, words: &[&str]) -> Fault {

@@ -19,7 +19,7 @@ use super::polygon::Polygons;
 use super::sound::count;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
-use colours::{ColourColumns, PlyColours, Told, colour_triangles};
+use colours::{ColourColumns, PlyColours, Told, colour_triangles, forget_colours};
 use corners::Corners;
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
@@ -40,7 +40,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut scene = SourceScene::default();
     let are_points = reader.is_cloud || reader.has_only_vertices();
     let is_black = reader.colours.as_ref().is_some_and(PlyColours::is_black);
-    if are_points && is_black && header.forget_colours() {
+    if are_points && is_black && forget_colours(&mut header) {
         reader = Reader::of(&header, bytes, 0)?;
         count(
             &mut scene.repairs,

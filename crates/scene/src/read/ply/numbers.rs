@@ -3,8 +3,9 @@
 //! In text a row has a line of its own, where the first row of its element has; else numbers may
 //! stand in any lines.
 
-use super::super::glued;
-use super::super::text::{number_of, plain_number};
+use super::super::half::half;
+use super::super::text::glued;
+use super::super::text::numbers::{number_of, plain_number};
 use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
 
 /// Of so many elements it is found out whether rows are lines: the file is looked through for it.
@@ -377,6 +378,7 @@ fn value(scalar: Scalar, bytes: [u8; 8]) -> f64 {
         Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
         Scalar::I64 => i64::from_le_bytes(bytes) as f64,
         Scalar::U64 => u64::from_le_bytes(bytes) as f64,
+        Scalar::F16 => half(u16::from_le_bytes([a, b])),
         Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
         Scalar::F64 => f64::from_le_bytes(bytes),
     }

@@ -4,13 +4,13 @@
 //! (`0.5-0.3`); and Fortran leaves out the letter of an exponent of three digits (`0.5-103`). Which
 //! of them a word is shows the number of columns.
 
-use super::text::number_of;
+use super::numbers::number_of;
 
 /// Most words that are looked at.
 const MOST_WORDS: usize = 64;
 
 /// The numbers of words, if they are as many as `fits` asks for.
-pub(super) fn numbers<'a>(
+pub(in crate::read) fn numbers<'a>(
     words: impl Iterator<Item = &'a str>,
     fits: impl Fn(usize) -> bool,
 ) -> Option<Vec<f64>> {

@@ -1,20 +1,23 @@
 //! What stands in a line of a text file?
 
+pub(in crate::read) mod glued;
+pub(in crate::read) mod numbers;
+
 use std::borrow::Cow;
 
 use super::error::Fault;
-use super::glued;
 use foveal_core::units::one_line;
 use memchr::memchr2;
+use numbers::{number_of, plain_number};
 
 /// A line and its number, counted from 1.
-pub(super) struct Line<'a> {
-    pub(super) number: usize,
-    pub(super) text: Cow<'a, str>,
+pub(in crate::read) struct Line<'a> {
+    pub(in crate::read) number: usize,
+    pub(in crate::read) text: Cow<'a, str>,
 }
 
 /// The lines of a file, which end in LF, CR or both.
-pub(super) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+pub(in crate::read) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     // Looked through once, not line by line.
     let whole = core::str::from_utf8(bytes).ok();
     let mut at = Some(0);
@@ -37,7 +40,7 @@ pub(super) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
 }
 
 /// The same; a backslash at the end of one goes on in the next, unless it is a comment or a name.
-pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+pub(in crate::read) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let mut rest = single_lines(bytes);
     std::iter::from_fn(move || {
         let mut line = rest.next()?;
@@ -68,7 +71,7 @@ fn text_of(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// The bytes of a text in UTF-8 without a mark at its start, whether they were so or UTF-16.
-pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
+pub(in crate::read) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
     let is_sign = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
     let of_pair: fn([u8; 2]) -> u16 = match bytes {
         [0xef, 0xbb, 0xbf, text @ ..] => return Cow::Borrowed(text),
@@ -86,19 +89,19 @@ pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
 
 /// The words of a line, read as what they should be.
 #[derive(Clone)]
-pub(super) struct Words<'a> {
-    pub(super) line: usize,
+pub(in crate::read) struct Words<'a> {
+    pub(in crate::read) line: usize,
     rest: &'a str,
     /// How many numbers had a decimal comma.
-    pub(super) commas: usize,
+    pub(in crate::read) commas: usize,
     /// How many numbers had no blank before them.
-    pub(super) glued: usize,
+    pub(in crate::read) glued: usize,
     /// Whether a word should have been a number, and was not.
-    pub(super) is_broken: bool,
+    pub(in crate::read) is_broken: bool,
 }
 
 impl<'a> Words<'a> {
-    pub(super) fn of(line: &'a Line<'_>) -> Self {
+    pub(in crate::read) fn of(line: &'a Line<'_>) -> Self {
         Self {
             line: line.number,
             rest: &line.text,
@@ -109,7 +112,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word.
-    pub(super) fn next(&mut self) -> Option<&'a str> {
+    pub(in crate::read) fn next(&mut self) -> Option<&'a str> {
         let [begin, end] = self.first();
         let word = &self.rest[begin..end];
         self.rest = &self.rest[end..];
@@ -117,7 +120,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word, or none, without taking it.
-    pub(super) fn peek(&self) -> &'a str {
+    pub(in crate::read) fn peek(&self) -> &'a str {
         let [begin, end] = self.first();
         &self.rest[begin..end]
     }
@@ -132,19 +135,19 @@ impl<'a> Words<'a> {
     }
 
     /// All that is left of the line, without blanks at both ends.
-    pub(super) fn rest(&self) -> String {
+    pub(in crate::read) fn rest(&self) -> String {
         let words: Vec<&str> = self.rest.split_ascii_whitespace().collect();
         words.join(" ")
     }
 
     /// The same, with blanks as they are.
-    pub(super) fn rest_as_it_is(&self) -> &'a str {
+    pub(in crate::read) fn rest_as_it_is(&self) -> &'a str {
         self.rest.trim_ascii()
     }
 
     /// Leaves out a comment at the end of the line: from a `#` on that is not within a number, such
     /// as `1.#QNAN`.
-    pub(super) fn leave_out_comment(&mut self) {
+    pub(in crate::read) fn leave_out_comment(&mut self) {
         if !self.rest.as_bytes().contains(&b'#') {
             return;
         }
@@ -155,7 +158,7 @@ impl<'a> Words<'a> {
     }
 
     /// The same for a comment that begins with `//`, in lines whose numbers have no slash.
-    pub(super) fn leave_out_slashes(&mut self) {
+    pub(in crate::read) fn leave_out_slashes(&mut self) {
         let slash = self.rest.as_bytes().iter().position(|it| *it == b'/');
         if let Some(at) = slash.filter(|at| self.rest[*at..].starts_with("//")) {
             self.rest = &self.rest[..at];
@@ -164,8 +167,8 @@ impl<'a> Words<'a> {
 
     /// The numbers up to the end of the line or a comment. Where some have no blank between them,
     /// they are parted if they are then as many as `fits` asks for.
-    pub(super) fn row(&mut self, fits: impl Fn(usize) -> bool) -> Row {
-        let mut row = Row::default();
+    pub(in crate::read) fn row(&mut self, fits: impl Fn(usize) -> bool) -> LineNumbers {
+        let mut row = LineNumbers::default();
         let mut has_comment = true;
         loop {
             while let Some(number) = self.plain() {
@@ -206,7 +209,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word as a number; NaN where it is not a number.
-    pub(super) fn any_number(&mut self) -> Option<f64> {
+    pub(in crate::read) fn any_number(&mut self) -> Option<f64> {
         if let Some(number) = self.plain() {
             return Some(number);
         }
@@ -217,7 +220,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word as a finite number, if there is one; `what` names it in the error.
-    pub(super) fn number_if_any(&mut self, what: &str) -> Result<Option<f64>, Fault> {
+    pub(in crate::read) fn number_if_any(&mut self, what: &str) -> Result<Option<f64>, Fault> {
         let Some(word) = self.next() else {
             return Ok(None);
         };
@@ -232,7 +235,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word as a finite number.
-    pub(super) fn number(&mut self, what: &str) -> Result<f64, Fault> {
+    pub(in crate::read) fn number(&mut self, what: &str) -> Result<f64, Fault> {
         self.number_if_any(what)?
             .ok_or_else(|| Fault::line(self.line, format!("{what} is missing")))
     }
@@ -240,16 +243,16 @@ impl<'a> Words<'a> {
 
 /// The first numbers of a line.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Row {
+pub(in crate::read) struct LineNumbers {
     values: [f64; MOST_OF_ROW],
     /// How many there are, beyond those that are kept too.
-    pub(super) count: usize,
+    pub(in crate::read) count: usize,
 }
 
 /// More have no meaning in any line.
 const MOST_OF_ROW: usize = 8;
 
-impl Row {
+impl LineNumbers {
     fn push(&mut self, number: f64) {
         if let Some(value) = self.values.get_mut(self.count) {
             *value = number;
@@ -258,89 +261,18 @@ impl Row {
     }
 
     /// Its number at a place; none where it has fewer.
-    pub(super) fn get(&self, at: usize) -> Option<f64> {
+    pub(in crate::read) fn get(&self, at: usize) -> Option<f64> {
         self.values[..self.count.min(MOST_OF_ROW)].get(at).copied()
     }
 
     /// The same; NaN where it has fewer.
-    pub(super) fn at(&self, at: usize) -> f64 {
+    pub(in crate::read) fn at(&self, at: usize) -> f64 {
         self.get(at).unwrap_or(f64::NAN)
     }
 }
 
-/// Most digits of a number that is read here: ten to this power is less than 2^64.
-const MOST_DIGITS: usize = 19;
-/// Whole numbers up to here are exact.
-const MOST_EXACT: u64 = 1 << 53;
-const TENS: [f64; MOST_DIGITS + 1] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
-    1e17, 1e18, 1e19,
-];
-
-/// The number at the start of a text and its length, where that is a few digits, maybe a sign
-/// before and a point between them, and a blank or the end follows. Such digits and powers of ten
-/// are exact, so that dividing them rounds once, to what any reader gives. Source: Clinger 1990,
-/// "How to Read Floating Point Numbers Accurately".
-pub(super) fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
-    let is_negative = text.first() == Some(&b'-');
-    let begin = usize::from(is_negative);
-    let (mut whole, mut at, mut point) = (0_u64, begin, None);
-    loop {
-        let byte = text.get(at).copied().unwrap_or(b' ');
-        match byte {
-            b'0'..=b'9' => whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0')),
-            b'.' if point.is_none() => point = Some(at),
-            _ if byte.is_ascii_whitespace() => break,
-            _ => return None,
-        }
-        at += 1;
-    }
-    let digits = at - begin - usize::from(point.is_some());
-    if digits == 0 || digits > MOST_DIGITS || whole > MOST_EXACT {
-        return None;
-    }
-    let behind = point.map_or(0, |point| at - point - 1);
-    let size = whole as f64 / TENS[behind];
-    Some((if is_negative { -size } else { size }, at))
-}
-
-/// The number that a word is, maybe NaN or infinity, as any program writes it: also as C does on
-/// Windows, as Fortran, and with a decimal comma, which is counted. `None` if it is not.
-pub(super) fn number_of(word: &str, commas: &mut usize) -> Option<f64> {
-    if let Ok(number) = word.parse() {
-        return Some(number);
-    }
-    let small = word.to_ascii_lowercase();
-    let bare = small.trim_start_matches(['+', '-']);
-    let [is_nan, is_infinite] = [
-        &["nan", "1.#qnan", "1.#snan", "1.#ind"][..],
-        &["inf", "1.#inf", "1.#j"],
-    ]
-    .map(|names| names.iter().any(|name| bare.starts_with(name)));
-    if is_nan {
-        return Some(f64::NAN);
-    }
-    if is_infinite {
-        return Some(f64::INFINITY);
-    }
-    if let Some((whole, part)) = small.split_once(',') {
-        // A comma behind a number parts it from the next.
-        let number = match part {
-            "" => return whole.parse().ok(),
-            _ => format!("{whole}.{part}").parse().ok(),
-        };
-        *commas += usize::from(number.is_some());
-        return number;
-    }
-    // C ends real numbers with a letter.
-    let bare = small.strip_suffix(['f', 'd']).unwrap_or(&small);
-    let is_number = bare.ends_with(|it: char| it.is_ascii_digit() || it == '.');
-    let word = if is_number { bare } else { &small };
-    word.replace('d', "e").parse().ok()
-}
-
 /// The start of a word, for a message.
-pub(super) fn shortened(word: &str) -> String {
+pub(in crate::read) fn shortened(word: &str) -> String {
     one_line(&word.chars().take(40).collect::<String>())
 }
 
@@ -391,46 +323,6 @@ mod tests {
     }
 
     #[test]
-    fn plain_numbers_are_those_of_any_reader_to_the_last_bit() {
-        let words = [
-            "0",
-            "-0",
-            "7",
-            "5.",
-            ".5",
-            "-.25",
-            "0.1",
-            "-123.456",
-            "9007199254740992",
-            "0.3",
-            "1234567.8901234",
-            "0.000000000000000001",
-            "18446744073709551616",
-            "1.7976931348623157",
-            "9007199254740993",
-            "00000000000000000000001",
-            "0.30000000000000004",
-            "-12.5",
-        ];
-        for word in words {
-            let right: f64 = word.parse().unwrap();
-            if let Some((number, length)) = plain_number(format!("{word} 8").as_bytes()) {
-                assert_eq!(
-                    (number.to_bits(), length),
-                    (right.to_bits(), word.len()),
-                    "{word}"
-                );
-            }
-        }
-        assert_eq!(plain_number(b"-123.456\t"), Some((-123.456, 8)));
-        for word in [
-            "", "-", ".", "+1", "1e5", "1,5", "1-2", "nan", "1..2", "--1",
-        ] {
-            assert_eq!(plain_number(word.as_bytes()), None, "{word}");
-        }
-    }
-
-    #[test]
     fn a_comment_ends_numbers_and_what_c_says_of_none_is_no_comment() {
         let line = Line {
             number: 1,
@@ -440,34 +332,5 @@ mod tests {
         words.leave_out_comment();
         assert!(words.any_number().is_some_and(f64::is_nan));
         assert_eq!((words.any_number(), words.any_number()), (Some(2.0), None));
-    }
-
-    #[test]
-    fn numbers_are_read_however_they_are_written() {
-        let mut commas = 0;
-        for (word, number) in [
-            ("-1.5e3", -1500.0),
-            ("+.5", 0.5),
-            ("5.", 5.0),
-            ("1.0e+003", 1000.0),
-            ("1.5D+02", 150.0),
-            ("2,", 2.0),
-            ("-0,25", -0.25),
-            ("1.0f", 1.0),
-            ("-2.F", -2.0),
-            ("1e3f", 1000.0),
-        ] {
-            assert_eq!(number_of(word, &mut commas), Some(number), "{word}");
-        }
-        assert_eq!(commas, 1);
-        for word in ["nan", "-nan(ind)", "1.#QNAN", "-1.#IND00", "NaN"] {
-            assert!(number_of(word, &mut commas).is_some_and(f64::is_nan));
-        }
-        for word in ["inf", "-Infinity", "1e999", "1.#INF", "-1.#J"] {
-            assert!(number_of(word, &mut commas).is_some_and(f64::is_infinite));
-        }
-        for word in ["x", "", "1,2,3", "--", "d", "f", "-f"] {
-            assert_eq!(number_of(word, &mut commas), None, "{word}");
-        }
     }
 }
