@@ -171,6 +171,24 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "left out, `files_left_out`; not drawn, `missing_images`",
             },
             Finding {
+                found: "materials of no file that exists, next to a `.mtl` with the name of the \
+                        model",
+                outcome: Mended,
+                told: "that file, `files_found_elsewhere`",
+            },
+            Finding {
+                found: "vertices that all are black, in any format; a scene less than 2 nm \
+                        across",
+                outcome: Remarked,
+                told: "drawn black, `black_surfaces`; too small to be looked at",
+            },
+            Finding {
+                found: "a Git LFS pointer, web page, archive or model of another format under \
+                        this name, in any format",
+                outcome: Refused,
+                told: "the message says what it is and what to do",
+            },
+            Finding {
                 found: "lines, curves, free-form surfaces",
                 outcome: Remarked,
                 told: "left out, `lines_left_out`",

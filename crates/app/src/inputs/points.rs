@@ -68,7 +68,8 @@ pub(super) const FORMATS: &[Format] = &[
                        these are fewer than half",
             },
             Finding {
-                found: "a scale that is negative, or 0 where the bounds say how far points reach",
+                found: "a negative scale; a scale of 0 or an offset of no place where bounds are \
+                        given",
                 outcome: Mended,
                 told: "turned the other way, `repairs.negative_scales`; as the bounds say, \
                        `repairs.stale_counts`",

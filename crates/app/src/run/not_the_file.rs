@@ -12,6 +12,8 @@ const TAR_AT: usize = 257;
 type Kind = (&'static [u8], &'static str, &'static str);
 
 const UNPACK: &str = "unpack it and give the file in it";
+/// What is a ZIP archive by its format.
+const ARCHIVES: [&str; 5] = ["3mf", "usdz", "kmz", "sog", "fcstd"];
 const EXPORT: &str = "open it in Blender or the program that made it, and export it as .glb";
 const AS_POINTS: &str = "open it in CloudCompare, and save it as .laz or .ply";
 
@@ -80,6 +82,11 @@ const KINDS: [Kind; 26] = [
 pub(crate) fn found(path: &Path) -> Option<String> {
     let head = first_bytes(path, HEAD).ok()?;
     let (what, next) = kind_of(&head)?;
+    // Formats that are such archives are named by their own ends.
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    if next == UNPACK && ARCHIVES.iter().any(|it| ending == *it) {
+        return None;
+    }
     Some(format!("{}: is {what}; {next}", path.display()))
 }
 

@@ -62,7 +62,8 @@ pub(super) const ROW_MISSING: Mend = Mend {
 /// A number has no blank before it.
 pub(super) const GLUED: Mend = Mend {
     name: "numbers_without_blanks",
-    what: "rows have numbers without a blank between them (`0.5-0.3`), which are read one by one",
+    what: "rows have numbers without a blank between them (`0.5-0.3`, `1,2,3`), which are read one \
+           by one",
 };
 /// Indices begin a strip again.
 pub(super) const RESTARTED: Mend = Mend {

@@ -11,6 +11,12 @@ fn numbers_that_run_together_are_read_where_the_columns_ask_for_it() {
     let corners = "v 1 1 0\nv 0 1 0\n";
     let faces = "f 1 2 3\nf 1 3 4\n";
     let files = [
+        (
+            "commas",
+            "v 0,0,0\nv 1.0,0.0,0.0\n",
+            2,
+            "numbers_without_blanks",
+        ),
         ("letters", "v 0.f 0.0f 0f\nv 1.0F 0 0d\n", 2, ""),
         ("fortran", "v 0.0D+00 0 0\nv 1.0D+00 0.5-103 0\n", 2, ""),
         (
@@ -49,6 +55,33 @@ fn numbers_that_run_together_are_read_where_the_columns_ask_for_it() {
             let remarks = told["remarks"].to_string();
             assert!(remarks.contains("the first in line 2") || remarks.contains("in line 1"));
         }
+    }
+}
+
+#[test]
+fn numbers_of_stl_that_run_together_are_read_in_any_lines() {
+    let folder = Folder::new();
+    for between in ["\n", " "] {
+        let lines = [
+            "solid a",
+            "facet normal 0 0 1",
+            "outer loop",
+            "vertex 0.0-0.0 0",
+        ];
+        let more = [
+            "vertex 1.-0.-0.",
+            "vertex 1f,1.0f,0",
+            "endloop",
+            "endfacet",
+            "endsolid a",
+        ];
+        let text = [&lines[..], &more].concat().join(between);
+        let told = prepared(&folder, "a.stl", text.as_bytes(), &[]);
+        assert_eq!(told["leaf_triangles"], 1, "{told}");
+        assert!(
+            told["repairs"]["numbers_without_blanks"].as_u64() > Some(0),
+            "{told}"
+        );
     }
 }
 
@@ -174,13 +207,23 @@ fn meshes_of_any_size_are_lit_alike_and_what_is_not_read_is_named() {
         )
     };
     let mut lights: Vec<Value> = Vec::new();
-    for size in ["1", "1e12", "1e-9", "1e-12", "1e6"] {
+    for size in ["1", "1e12", "1e-8", "1e6"] {
         let told = prepared(&folder, "a.obj", square(size).as_bytes(), &[]);
         assert_eq!(told["leaf_triangles"], 2, "{size}: {told}");
         let picture = super::meshes::picture(&folder);
         lights.push(value!(picture.at([80, 80])));
     }
     assert!(lights.iter().all(|it| *it == lights[0]), "{lights:?}");
+    let told = prepared(&folder, "a.obj", square("1e-12").as_bytes(), &[]);
+    assert!(
+        told["remarks"].to_string().contains("1.0e-12 m across"),
+        "{told}"
+    );
+    let dark = square("1")
+        .replace(" 0\nv", " 0 0 0 0\nv")
+        .replace(" 0\nf", " 0 0 0 0\nf");
+    let told = prepared(&folder, "a.obj", dark.as_bytes(), &[]);
+    assert_eq!(told["repairs"]["black_surfaces"], 1, "{told}");
     folder.holding("a.obj", square("1").as_bytes());
     let named = format!("call b.obj\nusemap wood\n{}", square("1"));
     folder.holding("b.obj", named.as_bytes());
@@ -188,6 +231,16 @@ fn meshes_of_any_size_are_lit_alike_and_what_is_not_read_is_named() {
     row.assert_alike(&["a.obj", "b.obj"]);
     row.assert_remarks(&["\"b.obj\"", "call", "left out"]);
     row.assert_remarks(&["\"wood\"", "usemap"]);
+    folder.holding("c.mtl", b"newmtl red\nKd 0.8f 0.0f 0\n");
+    let lost = format!("mtllib lost.mtl\nusemtl red\n{}", square("1"));
+    folder.holding("c.obj", lost.as_bytes());
+    let row = Row::of(&folder, &["c.obj"]);
+    assert!(
+        row.colours[0][0] > 60 + row.colours[0][1],
+        "{:?}",
+        row.colours
+    );
+    row.assert_remarks(&["\"c.mtl\"", "next to the model", "used"]);
     let none = folder.holding("none.obj", b"f 1 2\nv 0 0\n");
     let arguments = [
         "prepare",

@@ -93,7 +93,7 @@ fn headers_of_scans_that_cannot_be_right_are_read_as_the_points_fit() {
         with(bytes, 104, &[format])
     };
     let stale: &[&str] = &["stale_counts"];
-    let cases: [(&str, Vec<u8>, &[&str]); 10] = [
+    let cases: [(&str, Vec<u8>, &[&str]); 11] = [
         ("begin-0.las", with(plain(), 96, &word(0)), stale),
         ("begin-in-header.las", with(plain(), 96, &word(100)), stale),
         ("begin-behind.las", with(plain(), 96, &word(1 << 30)), stale),
@@ -107,6 +107,11 @@ fn headers_of_scans_that_cannot_be_right_are_read_as_the_points_fit() {
             &["negative_scales"],
         ),
         ("no-scale.las", with(plain(), 139, &real(0.0)), stale),
+        (
+            "no-offset.las",
+            with(plain(), 163, &real(f64::INFINITY)),
+            stale,
+        ),
         ("nan-scale.las", with(plain(), 131, &real(f64::NAN)), stale),
     ];
     for (name, bytes, names) in cases {

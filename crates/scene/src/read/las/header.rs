@@ -84,6 +84,11 @@ pub(super) fn is_step(scale: f64) -> bool {
     scale.is_finite() && scale != 0.0 && scale.abs() <= 1e12
 }
 
+/// Whether a number can be where a grid begins.
+pub(super) fn is_place(offset: f64) -> bool {
+    offset.abs() <= 1e15
+}
+
 /// How far the header says that points reach along an axis: the least and the most, of a whole
 /// header.
 pub(super) fn bounds_of(bytes: &[u8], axis: usize) -> [f64; 2] {
@@ -344,9 +349,6 @@ impl LasHeader {
                 105,
                 format!("a point has {found} bytes, of at least {least}"),
             );
-        }
-        if !self.offset.iter().all(|it| it.abs() <= 1e15) {
-            return wrong(155, format!("the offset {:?} is invalid", self.offset));
         }
         Ok(())
     }

@@ -18,7 +18,7 @@ use super::outliers;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
-use header::{LasHeader, is_step};
+use header::{LasHeader, is_place, is_step};
 use mends::LasMends;
 use records::Records;
 
@@ -36,7 +36,7 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         all.chunks_exact(length)
             .for_each(|record| records.add(record));
     }
-    scale_by_bounds(bytes, &mut header, &records, &mut mends)?;
+    fit_to_bounds(bytes, &mut header, &records, &mut mends)?;
     turn_negative(&mut header, &mut records, &mut mends);
     let mut scene = SourceScene::default();
     if records.has_waves {
@@ -89,15 +89,17 @@ fn turn_negative(header: &mut LasHeader, records: &mut Records, mends: &mut LasM
     }
 }
 
-/// Makes lengths of steps that are no lengths from how far the header says that points reach.
-fn scale_by_bounds(
+/// Makes lengths of steps that are no lengths, and beginnings of grids that are no places, from how
+/// far the header says that points reach.
+fn fit_to_bounds(
     bytes: &[u8],
     header: &mut LasHeader,
     records: &Records,
     mends: &mut LasMends,
 ) -> Result<(), Fault> {
     for (k, name) in ['x', 'y', 'z'].into_iter().enumerate() {
-        if is_step(header.scale[k]) {
+        let (scale, offset) = (header.scale[k], header.offset[k]);
+        if is_step(scale) && is_place(offset) {
             continue;
         }
         let along = || records.places().iter().map(|it| f64::from(it[k]));
@@ -105,21 +107,22 @@ fn scale_by_bounds(
             [low.min(it), high.max(it)]
         });
         let [low, high] = header::bounds_of(bytes, k);
-        let step = (high - low) / (reach[1] - reach[0]);
-        if !(is_step(step) && step > 0.0 && low.abs() <= 1e15) {
+        let fitting = (high - low) / (reach[1] - reach[0]);
+        let step = if is_step(scale) { scale } else { fitting };
+        if !(is_step(step) && is_place(low) && low < high) {
             let what = format!(
-                "the scale {:?} is invalid, and no bounds show it",
-                header.scale
+                "the scale {scale} and the offset {offset} along {name} are no grid, and no bounds \
+                 show which is meant"
             );
             return Err(Fault::at("byte 131", what));
         }
-        mends.stale_count(format!(
-            "the scale along {name} is {}, which is no length: {step} fits the bounds of all \
-             points",
-            header.scale[k]
-        ));
         header.scale[k] = step;
-        header.offset[k] = low - reach[0] * step;
+        header.offset[k] = low - (reach[0] * step).min(reach[1] * step);
+        mends.stale_count(format!(
+            "the scale along {name} is {scale} and the offset {offset}, which is no grid: {step} \
+             and {} fit the bounds of all points",
+            header.offset[k]
+        ));
     }
     Ok(())
 }

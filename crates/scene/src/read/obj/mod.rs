@@ -446,6 +446,7 @@ impl Reader<'_> {
             self.add_face(material, line)?;
         }
         late.tell(&mut self.mends);
+        self.find_library(name);
         self.find_materials();
         for (repair, times) in std::mem::take(&mut self.library.repairs) {
             count(&mut self.scene.repairs, &repair, times as usize);
@@ -490,6 +491,35 @@ impl Reader<'_> {
             let positions: Vec<DVec3> = shown.iter().map(place).collect();
             let clouds = outliers::clouds(name, &positions, colours, &mut self.scene);
             self.scene.clouds.extend(clouds);
+        }
+    }
+
+    /// Reads the file of materials next to this one, by its name, where faces name materials and no
+    /// file has any.
+    fn find_library(&mut self, name: &str) {
+        if self.lost_materials.is_empty() || !self.library.materials.is_empty() {
+            return;
+        }
+        let name = format!("{name}.mtl");
+        if self.libraries.contains(&name) {
+            return;
+        }
+        let Ok(bytes) = search::read(self.folder, &[&name]) else {
+            return;
+        };
+        let text = utf8_of(&bytes);
+        if mtl::is_text(&text) && !self.library.read(&text, &name).is_empty() {
+            self.mends.add(mends::LINE_BROKEN, 1, || {
+                format!("in {:?}", shortened(&name))
+            });
+        }
+        if !self.library.materials.is_empty() {
+            count(&mut self.scene.repairs, "files_found_elsewhere", 1);
+            self.scene.remark(format!(
+                "no file of materials is named that exists: {:?}, which lies next to the model, is \
+                 used",
+                shortened(&name)
+            ));
         }
     }
 

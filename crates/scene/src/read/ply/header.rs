@@ -83,6 +83,14 @@ pub(super) enum Encoding {
     BigEndian,
 }
 
+/// A whole number, maybe written as `3.0`.
+fn count_of(word: &str) -> Option<u64> {
+    const MOST: f64 = (1_u64 << 53) as f64;
+    let real = || word.parse::<f64>().ok();
+    let whole = || real().filter(|it| it.fract() == 0.0 && (0.0..=MOST).contains(it));
+    word.parse().ok().or_else(|| whole().map(|it| it as u64))
+}
+
 /// The name of an element as the format has it, where it is one that other programs write.
 fn element_of(name: &str) -> String {
     let usual = match name.to_ascii_lowercase().as_str() {
@@ -176,7 +184,7 @@ impl PlyHeader {
             ["element", name, count] => {
                 self.elements.push(Element {
                     name: element_of(name),
-                    count: count.parse().map_err(|_| fault.clone())?,
+                    count: count_of(count).ok_or_else(|| fault.clone())?,
                     properties: Vec::new(),
                 });
                 return Ok(());

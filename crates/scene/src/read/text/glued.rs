@@ -1,8 +1,8 @@
 //! Which numbers stand in words that have no blank between them?
 //!
 //! Fortran and `printf` write columns of a fixed width, in which a sign may follow a digit
-//! (`0.5-0.3`); and Fortran leaves out the letter of an exponent of three digits (`0.5-103`). Which
-//! of them a word is shows the number of columns.
+//! (`0.5-0.3`). Fortran leaves out the letter of an exponent of three digits (`0.5-103`). Others
+//! write commas without blanks (`1,2,3`). Which of these a word is shows the number of columns.
 
 use super::numbers::number_of;
 
@@ -33,18 +33,22 @@ pub(in crate::read) fn numbers<'a>(
     }
 }
 
-/// A word cut before each sign that follows a digit or a point.
+/// The parts of a word, which begin at each sign that follows a digit or a point, and end at each
+/// comma or semicolon.
 fn parted(word: &str) -> impl Iterator<Item = &str> {
-    let mut rest = Some(word);
-    std::iter::from_fn(move || {
-        let word = rest?;
-        let is_end = |pair: &[u8]| {
-            (pair[0].is_ascii_digit() || pair[0] == b'.') && matches!(pair[1], b'-' | b'+')
-        };
-        let cut = word.as_bytes().windows(2).position(is_end);
-        let cut = cut.map(|before| before + 1);
-        rest = cut.and_then(|cut| word.get(cut..));
-        Some(cut.and_then(|cut| word.get(..cut)).unwrap_or(word))
+    let parts = word.split([',', ';']).filter(|part| !part.is_empty());
+    parts.flat_map(|part| {
+        let mut rest = Some(part);
+        std::iter::from_fn(move || {
+            let part = rest?;
+            let is_end = |pair: &[u8]| {
+                (pair[0].is_ascii_digit() || pair[0] == b'.') && matches!(pair[1], b'-' | b'+')
+            };
+            let cut = part.as_bytes().windows(2).position(is_end);
+            let cut = cut.map(|before| before + 1);
+            rest = cut.and_then(|cut| part.get(cut..));
+            Some(cut.and_then(|cut| part.get(..cut)).unwrap_or(part))
+        })
     })
 }
 
@@ -71,6 +75,8 @@ mod tests {
         assert_eq!(of("-1.-2.+3", 3), Some(vec![-1.0, -2.0, 3.0]));
         assert_eq!(of("1e-3-2E+1-3", 3), Some(vec![1e-3, -20.0, -3.0]));
         assert_eq!(of("0.5-103 1 2", 3), Some(vec![0.5e-103, 1.0, 2.0]));
+        assert_eq!(of("1,-2,3", 3), Some(vec![1.0, -2.0, 3.0]));
+        assert_eq!(of("1.5,2.5;3-4", 4), Some(vec![1.5, 2.5, 3.0, -4.0]));
         assert_eq!(of("0.5-0.3 1 2", 3), None);
         assert_eq!(of("0.5-x 1", 3), None);
         assert_eq!(of("0.5-0.3 1", 4), None);

@@ -199,6 +199,30 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// The next three numbers, behind which other words may stand; NaN for each that is not one.
+    /// Where some have no blank between them, as of [`Self::row`].
+    pub(in crate::read) fn three(&mut self) -> [f64; 3] {
+        let before = self.clone();
+        let mut next = || self.any_number().unwrap_or(f64::NAN);
+        let three = [next(), next(), next()];
+        if before.is_broken || !self.is_broken {
+            return three;
+        }
+        let is_begin = |it: char| it.is_ascii_digit() || matches!(it, '+' | '-' | '.');
+        let words = before.rest.split_ascii_whitespace();
+        let words = words.take_while(|it| it.starts_with(is_begin)).take(3);
+        let Some(found) = glued::numbers(words.clone(), |count| count == 3) else {
+            return three;
+        };
+        let taken = words.count();
+        *self = before;
+        for _ in 0..taken {
+            self.next();
+        }
+        self.glued += 1;
+        [found[0], found[1], found[2]]
+    }
+
     /// The next word where it is a number in its plainest form, as nearly all are.
     fn plain(&mut self) -> Option<f64> {
         let bytes = self.rest.as_bytes();
