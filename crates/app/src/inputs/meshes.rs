@@ -154,7 +154,7 @@ pub(super) const FORMATS: &[Format] = &[
                        without one the shape comes in its colour",
             },
             Finding {
-                found: "`1.0f`; numbers of Fortran (`1.0D+00`, `0.5-103`)",
+                found: "`1.0f`; numbers of Fortran (`1.0D+00`)",
                 outcome: Read,
                 told: "as meant",
             },

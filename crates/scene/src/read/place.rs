@@ -97,7 +97,8 @@ const SMALLEST: f64 = 2e-9;
 pub(super) fn tell_small(scene: &mut SourceScene) {
     let [least, most] = extent(scene);
     let length = (most - least).max_element();
-    if length < SMALLEST {
+    // A single point has no length.
+    if length > 0.0 && length < SMALLEST {
         scene.remark(format!(
             "all of it is only {length:.1e} m across, which is too small to be looked at: scale it \
              up, or write it in larger units"
