@@ -122,21 +122,21 @@ impl Packed<'_> {
             let what = format!("its chunks {all}, which cannot be in {bytes} bytes");
             return Err(header.wrong_count(&what));
         }
-        let is_open = self.vlr.chunk_size() == ANY_SIZE;
-        let is_equal = self.packing == Packing::Chunks && !is_open;
+        let is_equal = self.packing == Packing::Chunks && self.vlr.chunk_size() != ANY_SIZE;
         let mut first_fault = None;
         let (mut lost, mut broken, mut is_known) = (0, 0, false);
         for (number, chunk) in chunks.iter().enumerate() {
             let before = records.len();
             let is_last = is_equal && number + 1 == chunks.len();
             // How many the last chunk has is not known where the header counts too many.
-            let read = match is_last && all < header.count {
+            let is_endless = is_last && all < header.count;
+            let read = match is_endless {
                 true => Err("the header counts more points than chunks can hold".to_owned()),
                 false => self.one(chunk, records),
             };
             match read {
                 Ok(left) => self.tell_left(left, header, mends),
-                Err(_) if is_last && self.all_of_last(chunk, records, before).is_some() => {
+                Err(_) if is_endless && self.is_whole(chunk, header, records) => {
                     all = all - chunk.points + (records.len() - before) as u64;
                     is_known = true;
                 }
@@ -187,16 +187,22 @@ impl Packed<'_> {
         }
     }
 
-    /// Unpacks the points of a chunk of unknown number behind the first `before`, where packing
-    /// them again shows how many there are.
-    fn all_of_last(&self, chunk: &Chunk<'_>, records: &mut Records, before: usize) -> Option<()> {
-        records.truncate(before);
+    /// Unpacks the points of a chunk of unknown number, if packing them again shows how many there
+    /// are and none lies far outside; else leaves the records as they are.
+    fn is_whole(&self, chunk: &Chunk<'_>, header: &LasHeader, records: &mut Records) -> bool {
+        let before = records.len();
         let sure = self.surely(chunk, records);
         records.truncate(before);
-        let all = number_of_last(chunk, self.said, self.record_bytes, sure)?;
+        let Some(all) = number_of_last(chunk, self.said, self.record_bytes, sure) else {
+            return false;
+        };
         all.chunks_exact(self.record_bytes)
             .for_each(|record| records.add(record));
-        Some(())
+        let is_near = self.first_stray(before, header, records).is_none();
+        if !is_near {
+            records.truncate(before);
+        }
+        is_near
     }
 
     /// Unpacks the points of a chunk of unknown number that surely are there: those that come

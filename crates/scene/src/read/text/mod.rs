@@ -174,6 +174,9 @@ impl<'a> Words<'a> {
             while let Some(number) = self.plain() {
                 row.push(number);
             }
+            if self.rest.is_empty() {
+                return row;
+            }
             if has_comment {
                 self.leave_out_comment();
                 self.leave_out_slashes();
