@@ -540,7 +540,7 @@ mod tests {
         let positions: Vec<DVec3> = others.iter().copied().chain(all).collect();
         let mut scene = SourceScene::default();
         let colours = vec![[7; 3]; positions.len()];
-        let clouds = clouds("a", &positions, &colours, &mut scene);
+        let clouds = clouds("a", &positions, colours, &mut scene);
         (clouds, scene)
     }
 
