@@ -5,8 +5,8 @@ use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "glTF",
-    read: "glTF 2.0 as `.gltf` with its files, or `.glb`: meshes, points, base colours and their \
-           textures, unlit materials, instances, quantised numbers.",
+    read: "glTF 2.0 as `.gltf` with its files, or `.glb` (`.vrm`): meshes, points, base colours \
+           and their textures, unlit materials, instances, quantised numbers.",
     rows: &[
         Finding {
             found: "buffers packed by Draco or meshopt",
@@ -138,6 +138,21 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "a rotation, matrix, skin or list of instances without meaning",
             outcome: Mended,
             told: "left out, `repairs.places_mended`",
+        },
+        Finding {
+            found: "the largest index of its kind (65535) in a strip, fan or list",
+            outcome: Mended,
+            told: "a new one begins there, `repairs.strips_begun_again`",
+        },
+        Finding {
+            found: "chunks of a `.glb` of kinds that glTF does not have",
+            outcome: Read,
+            told: "passed over",
+        },
+        Finding {
+            found: "glTF 1.0",
+            outcome: Refused,
+            told: "the message says so, and what converts it",
         },
         Finding {
             found: "a `.glb` of another length than it says",

@@ -154,6 +154,41 @@ pub(super) const FORMATS: &[Format] = &[
                        without one the shape comes in its colour",
             },
             Finding {
+                found: "`1.0f`; numbers of Fortran (`1.0D+00`)",
+                outcome: Read,
+                told: "as meant",
+            },
+            Finding {
+                found: "numbers without a blank between them (`0.5-0.3`) where the line has too \
+                        few",
+                outcome: Mended,
+                told: "read one by one, `numbers_without_blanks`; else the line is left out, \
+                       `lines_broken`",
+            },
+            Finding {
+                found: "`call` of another file; `usemap`",
+                outcome: Remarked,
+                told: "left out, `files_left_out`; not drawn, `missing_images`",
+            },
+            Finding {
+                found: "materials of no file that exists, next to a `.mtl` with the name of the \
+                        model",
+                outcome: Mended,
+                told: "that file, `files_found_elsewhere`",
+            },
+            Finding {
+                found: "vertices that all are black, in any format; a scene less than 2 nm \
+                        across",
+                outcome: Remarked,
+                told: "drawn black, `black_surfaces`; too small to be looked at",
+            },
+            Finding {
+                found: "a Git LFS pointer, web page, archive or model of another format under \
+                        this name, in any format",
+                outcome: Refused,
+                told: "the message says what it is and what to do",
+            },
+            Finding {
                 found: "lines, curves, free-form surfaces",
                 outcome: Remarked,
                 told: "left out, `lines_left_out`",
@@ -253,12 +288,33 @@ const PLY: &[Finding] = &[
         told: "read by its lines, `rows_missing`, `rows_beyond_count`",
     },
     Finding {
+        found: "numbers without a blank between them (`0.5-0.3`) in rows without lists",
+        outcome: Mended,
+        told: "read one by one, `numbers_without_blanks`",
+    },
+    Finding {
+        found: "edges",
+        outcome: Remarked,
+        told: "not drawn, `lines_left_out`",
+    },
+    Finding {
+        found: "keywords in capitals, `vertices`, `points`, `faces`, `triangles` for elements; \
+                numbers of 16 bits (`half`)",
+        outcome: Read,
+        told: "as meant",
+    },
+    Finding {
+        found: "vertices without `z`",
+        outcome: Mended,
+        told: "at 0, `coordinates_made`",
+    },
+    Finding {
         found: "rows beyond those announced",
         outcome: Mended,
         told: "left out, `rows_left_out`",
     },
     Finding {
-        found: "no x, y and z; no end of the header",
+        found: "no x and y; no end of the header",
         outcome: Refused,
         told: "there is nothing to show",
     },

@@ -56,6 +56,31 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "whichever of the two fits the bytes of all points, `repairs.stale_counts`",
             },
             Finding {
+                found: "colours that are all black",
+                outcome: Mended,
+                told: "they stand for none: grey by intensities, else one grey, \
+                       `repairs.black_colours`, with a remark",
+            },
+            Finding {
+                found: "intensities without colours, a few of them far brighter than all others",
+                outcome: Read,
+                told: "grey; the brightest hundredth is white, without those of 65535 where \
+                       these are fewer than half",
+            },
+            Finding {
+                found: "a negative scale; a scale of 0 or an offset of no place where bounds are \
+                        given",
+                outcome: Mended,
+                told: "turned the other way, `repairs.negative_scales`; as the bounds say, \
+                       `repairs.stale_counts`",
+            },
+            Finding {
+                found: "a place of points within the header or behind the end, or a header \
+                        without a length; points that are said to be packed and are not",
+                outcome: Mended,
+                told: "behind the records before them, as plain points, `repairs.stale_counts`",
+            },
+            Finding {
                 found: "a later minor version with known points",
                 outcome: Remarked,
                 told: "read as LAS 1.4",
@@ -73,7 +98,8 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "LAZ whose last chunk has an unknown number of points",
                 outcome: Mended,
-                told: "without those of its last 16 bytes, which could be made up: \
+                told: "all, where packing them again gives the same bytes; else without those of \
+                       its last 16 bytes, which could be made up: `repairs.stale_counts`, \
                        `repairs.missing_points`",
             },
         ],
@@ -96,7 +122,14 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "intensities without colours",
                 outcome: Remarked,
-                told: "grey, from the least (0 where none is below) to the most",
+                told: "grey, from 0 (where some are negative, from the least hundredth) to the \
+                       brightest hundredth",
+            },
+            Finding {
+                found: "colours that are all black",
+                outcome: Mended,
+                told: "they stand for none: grey by intensities, else one grey, \
+                       `repairs.black_colours`, with a remark",
             },
             Finding {
                 found: "red, green and blue of which one is missing",

@@ -1,6 +1,7 @@
 //! Which command reads a file that this one does not?
 
 use crate::report::output::WrongUsage;
+use crate::run::not_the_file;
 use foveal_media::VideoInput;
 use foveal_media::plain_file::first_bytes;
 use foveal_scene::read::is_scene_file;
@@ -24,6 +25,9 @@ pub(crate) fn refuse_pack(input: &Path) -> Result<(), WrongUsage> {
 
 /// Why a file cannot be prepared as a video; for a 3D file, with the command that prepares it.
 pub(crate) fn no_video(input: &Path, error: anyhow::Error) -> anyhow::Error {
+    if let Some(found) = not_the_file::found(input) {
+        return anyhow::anyhow!(found);
+    }
     let name = input.display();
     match is_scene_file(input) && input.is_file() {
         true => WrongUsage(format!(
@@ -37,6 +41,10 @@ pub(crate) fn no_video(input: &Path, error: anyhow::Error) -> anyhow::Error {
 /// Why a file cannot be prepared as a scene; for a video or a picture, with the command that
 /// prepares it.
 pub(crate) fn no_scene(inputs: &[impl AsRef<Path>], error: anyhow::Error) -> anyhow::Error {
+    let mut all = inputs.iter().map(AsRef::as_ref);
+    if let Some(found) = all.find_map(not_the_file::found) {
+        return anyhow::anyhow!(found);
+    }
     let is_video = |input: &&Path| !is_scene_file(input) && VideoInput::open(input).is_ok();
     match inputs.iter().map(AsRef::as_ref).find(is_video) {
         Some(input) => {

@@ -41,7 +41,7 @@ fn a_file_that_another_command_reads_is_told_with_that_command() {
     refused(
         1,
         &["prepare", "scene", &text, "--out", &out],
-        &["no 3D file"],
+        &["not a 3D file"],
     );
     refused(2, &["prepare", "vido"], &["unrecognized subcommand"]);
 }

@@ -82,7 +82,7 @@ fn advice(path: &Path, error: &PackError) -> String {
 /// Whether a name ends as those of meshes, clouds and scene files do.
 fn is_scene(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["glb", "gltf", "obj", "ply", "stl", "las", "laz", "toml"]
+    ["glb", "gltf", "vrm", "obj", "ply", "stl", "las", "laz", "toml"]
         .iter()
         .any(|it| ending == *it)
 }

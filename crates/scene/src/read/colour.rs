@@ -1,7 +1,8 @@
 //! How much light does a code value of a file give, and which one stands for all light?
 
 use super::sound::count;
-use crate::source::Repairs;
+use super::text::shortened;
+use crate::source::{Repairs, SourceScene};
 
 /// Up to here a colour of a material is brighter than white by mistake. Beyond, it is written from
 /// 0 to 255.
@@ -246,6 +247,68 @@ impl Full {
     }
 }
 
+/// The largest intensity of sixteen bits stands for more than can be measured.
+const SATURATED: f64 = TWO_BYTES;
+
+/// Which intensities are black and which white, so that a few that are far from all others leave
+/// these their contrast: 0 is black, or the first hundredth where some are negative, and the last
+/// hundredth is white, of those that are measured. `None` where none is a number.
+pub(super) fn intensities_shown(mut values: Vec<f64>) -> Option<[f64; 2]> {
+    values.retain(|it| it.is_finite());
+    let measured = values.iter().filter(|it| **it < SATURATED).count();
+    if 2 * measured >= values.len() {
+        values.retain(|it| *it < SATURATED);
+    }
+    let last = values.len().checked_sub(1)?;
+    let mut at = |place: usize| *values.select_nth_unstable_by(place, f64::total_cmp).1;
+    let all = [at(0), at(last)];
+    let from = if all[0] < 0.0 { at(last / 100) } else { 0.0 };
+    let to = at(last - last / 100);
+    match to > from {
+        true => Some([from, to]),
+        false => Some([from.min(all[0]), all[1]]),
+    }
+}
+
+/// What stands for no colour at all: a grey as of paper in shade.
+const NO_COLOUR: u16 = 176 * 257;
+
+/// The colours of a cloud, which no scan has where all are black: these stand for none. It is grey
+/// then, by its intensities where it has some.
+pub(super) fn unless_black(
+    name: &str,
+    colours: Vec<[u16; 3]>,
+    intensities: &[u16],
+    scene: &mut SourceScene,
+) -> Vec<[u16; 3]> {
+    if colours.is_empty() || colours.iter().any(|it| *it != [0; 3]) {
+        return colours;
+    }
+    count(&mut scene.repairs, BLACK_COLOURS, colours.len());
+    let has_intensities = intensities.iter().any(|it| *it > 0);
+    tell_black(name, has_intensities, scene);
+    match has_intensities {
+        true => Vec::new(),
+        false => vec![[NO_COLOUR; 3]; colours.len()],
+    }
+}
+
+/// Under which name colours are counted that are all black.
+pub(super) const BLACK_COLOURS: &str = "black_colours";
+
+/// Reports that all colours of a cloud are black.
+pub(super) fn tell_black(name: &str, has_intensities: bool, scene: &mut SourceScene) {
+    let instead = match has_intensities {
+        true => "as grey by their intensities",
+        false => "in one grey",
+    };
+    scene.remark(format!(
+        "the colours of all points of {:?} are black, which stands for no colour: they are shown \
+         {instead}",
+        shortened(name)
+    ));
+}
+
 /// Turns encoded colours, with a linear alpha of the same kind, into linear light; gives how many
 /// are strays.
 pub(super) fn lighten(colours: &mut [[f32; 4]], full: &Full, alpha: f64) -> usize {
@@ -338,6 +401,23 @@ mod tests {
         assert_eq!(largest(127.0, 200.0), 255.0);
         assert_eq!(largest(f64::from(i32::MAX), 1e9), f64::from(i32::MAX));
         assert_eq!(full(65_535.0, &[]).largest, 65_535.0);
+    }
+
+    #[test]
+    fn a_few_intensities_far_from_the_others_leave_these_their_contrast() {
+        let of = |more: &[f64]| {
+            let mut all: Vec<f64> = (0..1000).map(|it| 500.0 + f64::from(it % 100)).collect();
+            all.extend(more);
+            intensities_shown(all).unwrap()
+        };
+        assert_eq!(of(&[]), [0.0, 598.0]);
+        assert_eq!(of(&[65_535.0; 300]), [0.0, 598.0]);
+        assert_eq!(of(&[9000.0, 9000.0, f64::NAN, f64::INFINITY]), [0.0, 599.0]);
+        assert_eq!(of(&[-9999.0; 3])[0], 500.0);
+        assert_eq!(intensities_shown(vec![7.0; 9]), Some([0.0, 7.0]));
+        assert_eq!(intensities_shown(vec![0.0; 9]), Some([0.0, 0.0]));
+        assert_eq!(intensities_shown(vec![65_535.0; 9]), Some([0.0, 65_535.0]));
+        assert_eq!(intensities_shown(vec![f64::NAN]), None);
     }
 
     #[test]

@@ -9,10 +9,75 @@ pub(super) const EXPORT_AGAIN: &str = "copy the file again if it was cut short, 
 
 /// What to do where the system refuses to open a file, by what it says.
 fn next_after(reason: &str) -> &'static str {
-    // EMFILE of this program, ENFILE of all: the path is as it should be.
-    match reason.contains("Too many open files") || reason.contains("os error 23") {
+    // Of this program or of all: the path is as it should be.
+    match reason.contains("Too many open files") {
         true => "close other programs or files, or allow more with `ulimit -n 4096`",
         false => "check the path and the permissions",
+    }
+}
+
+/// What a system call said, without the number of the error.
+pub(super) fn said(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    match text.rfind(" (os error ") {
+        Some(at) if at > 0 => text[..at].to_owned(),
+        _ => text,
+    }
+}
+
+/// The end of a path's name, in lower case.
+fn ending(path: &Path) -> String {
+    let ending = path.extension().unwrap_or_default();
+    ending.to_string_lossy().to_ascii_lowercase()
+}
+
+/// Which programs write what kinds of files, and as what they export them for Foveal.
+const CONVERTED: [(&[&str], &str); 4] = [
+    (
+        &[
+            "fbx", "dae", "3ds", "blend", "usd", "usda", "usdc", "usdz", "abc", "x3d", "wrl",
+            "3mf", "off", "max", "ma", "mb", "c4d", "skp", "lwo", "x", "dxf", "amf",
+        ],
+        "open it in Blender or the program that made it, and export it as .glb",
+    ),
+    (
+        &[
+            "pcd", "e57", "xyz", "pts", "ptx", "asc", "rcp", "rcs", "fls", "fws", "zfs",
+        ],
+        "open it in CloudCompare, and save it as .laz or .ply",
+    ),
+    (
+        &["splat", "spz", "ksplat", "sog"],
+        "open it in SuperSplat, and export it as .ply that is not compressed",
+    ),
+    (
+        &[
+            "step", "stp", "iges", "igs", "ifc", "brep", "fcstd", "dwg", "3dm", "sldprt",
+        ],
+        "open it in FreeCAD or the program that made it, and export its surfaces as .glb or .stl",
+    ),
+];
+
+/// What to do with a file of an ending that is not read.
+fn next_for_ending(path: &Path) -> String {
+    let ending = ending(path);
+    let known = CONVERTED.iter().find(|(all, _)| all.contains(&&*ending));
+    known.map_or_else(
+        || format!("give one that ends in {ENDINGS}, or export it as .glb"),
+        |(_, next)| (*next).to_owned(),
+    )
+}
+
+/// What to do with a file in which nothing can be drawn.
+fn next_for_nothing(path: &Path) -> &'static str {
+    match ending(path).as_str() {
+        "obj" => {
+            "a surface needs lines such as `v 0 0 1` for each vertex, and for each face a line \
+             such as `f 1 2 3`, which names three vertices or more"
+        }
+        "las" | "laz" => "export the points again",
+        "ply" => "export the surfaces as triangles, or the points with x, y and z",
+        _ => "export the surfaces as triangles",
     }
 }
 
@@ -25,8 +90,8 @@ pub enum ReadError {
     NoFile,
     /// The ending of the name is not one that is read.
     #[error(
-        "{}: is no 3D file that can be read; give one that ends in {ENDINGS}, or export it as .glb",
-        path.display()
+        "{}: is not a 3D file that Foveal reads; {}",
+        path.display(), next_for_ending(path)
     )]
     UnknownEnding {
         /// The file.
@@ -77,8 +142,8 @@ pub enum ReadError {
     },
     /// The file has neither triangle nor point.
     #[error(
-        "{}: there is nothing to draw: {found}; export the surfaces as triangles",
-        path.display()
+        "{}: there is nothing to draw: {found}; {}",
+        path.display(), next_for_nothing(path)
     )]
     Empty {
         /// The file.
@@ -89,7 +154,7 @@ pub enum ReadError {
 }
 
 /// The endings that are read.
-const ENDINGS: &str = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
+const ENDINGS: &str = ".glb, .gltf, .vrm, .obj, .ply, .stl, .las, .laz or .toml";
 
 /// A [`ReadError`] that does not know its file yet.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

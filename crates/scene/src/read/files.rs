@@ -8,7 +8,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use super::error::{Fault, ReadError};
+use super::error::{Fault, ReadError, said};
 use super::search::{Folder, Names, NotOpened, Taken, inside, key};
 use super::sound::count;
 use super::text::shortened;
@@ -286,20 +286,20 @@ fn leads_out(name: &str) -> Fault {
 fn not_opened(name: &str, error: &std::io::Error) -> Fault {
     match beneath::leads_out(error) {
         true => leads_out(name),
-        false => missing(name, error.to_string()),
+        false => missing(name, said(error)),
     }
 }
 
 fn not_found(error: &std::io::Error) -> NotOpened {
     match beneath::leads_out(error) {
         true => NotOpened::Outside,
-        false => NotOpened::Because(error.to_string()),
+        false => NotOpened::Because(said(error)),
     }
 }
 
 fn reason(error: PlainBytesError) -> String {
     match error {
-        PlainBytesError::System(error) => error.to_string(),
+        PlainBytesError::System(error) => said(&error),
         PlainBytesError::Other => "it is no regular file".to_owned(),
         PlainBytesError::Large(there, most) => {
             format!("it has {there} bytes, more than the {most} of this machine's memory: split it")

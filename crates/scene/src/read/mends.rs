@@ -59,6 +59,23 @@ pub(super) const ROW_MISSING: Mend = Mend {
     name: "rows_missing",
     what: "rows that the file announces are missing; the others are shown",
 };
+/// A number has no blank before it.
+pub(super) const GLUED: Mend = Mend {
+    name: "numbers_without_blanks",
+    what: "rows have numbers without a blank between them (`0.5-0.3`, `1,2,3`), which are read one \
+           by one",
+};
+/// Indices begin a strip again.
+pub(super) const RESTARTED: Mend = Mend {
+    name: "strips_begun_again",
+    what: "lists of indices hold the largest number of their kind, which glTF does not allow: a \
+           new strip, fan or triangle begins there",
+};
+/// Rows that connect vertices by lines.
+pub(super) const EDGES_LEFT: Mend = Mend {
+    name: "lines_left_out",
+    what: "edges are lines, which are not drawn",
+};
 /// More rows than announced.
 pub(super) const ROW_BEYOND: Mend = Mend {
     name: "rows_beyond_count",

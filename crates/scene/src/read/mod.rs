@@ -5,6 +5,7 @@ mod colour;
 mod error;
 mod files;
 mod gltf;
+mod half;
 pub(crate) mod image;
 mod las;
 #[cfg(test)]
@@ -33,8 +34,8 @@ use crate::source::SourceScene;
 use files::Nowhere;
 use single::{SceneFile, read_file};
 
-/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .obj, .ply, .stl, .las
-/// or .laz.
+/// Whether a file's name ends as one that [`read`] reads: .glb, .gltf, .vrm, .obj, .ply, .stl,
+/// .las or .laz.
 #[must_use]
 pub fn is_scene_file(file: &Path) -> bool {
     SceneFormat::of(file).is_some()

@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::colour::unless_black;
 use super::sound::count;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceMesh, SourceObject, SourceScene};
@@ -286,14 +287,15 @@ fn part_mesh(scene: &mut SourceScene, number: usize, shown: usize) -> Option<(So
 pub(super) fn clouds(
     name: &str,
     positions: &[DVec3],
-    colours: &[[u16; 3]],
+    colours: Vec<[u16; 3]>,
     scene: &mut SourceScene,
 ) -> Vec<SourceCloud> {
+    let colours = unless_black(name, colours, &[], scene);
     let all = bounds(positions.iter().copied());
     let at = |number: usize| positions[number];
     let Some(parts) = part_points(name, (positions.len(), all), &at, scene) else {
         let cloud = SourceCloud {
-            colours: colours.to_vec(),
+            colours,
             ..SourceCloud::on_grid(name, positions)
         };
         return vec![cloud];
@@ -310,7 +312,8 @@ pub(super) fn clouds(
 }
 
 /// The same of a cloud that is on a grid.
-pub(super) fn clouds_on_grid(cloud: SourceCloud, scene: &mut SourceScene) -> Vec<SourceCloud> {
+pub(super) fn clouds_on_grid(mut cloud: SourceCloud, scene: &mut SourceScene) -> Vec<SourceCloud> {
+    cloud.colours = unless_black(&cloud.name, cloud.colours, &cloud.intensities, scene);
     let at = |number: usize| cloud.at(number);
     let mut ends = [[i32::MAX; 3], [i32::MIN; 3]];
     for place in &cloud.places {
@@ -537,7 +540,7 @@ mod tests {
         let positions: Vec<DVec3> = others.iter().copied().chain(all).collect();
         let mut scene = SourceScene::default();
         let colours = vec![[7; 3]; positions.len()];
-        let clouds = clouds("a", &positions, &colours, &mut scene);
+        let clouds = clouds("a", &positions, colours, &mut scene);
         (clouds, scene)
     }
 

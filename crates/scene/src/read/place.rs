@@ -90,6 +90,53 @@ pub(super) fn check(scene: &SourceScene) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Views come no nearer to a scene of this length, in metres.
+const SMALLEST: f64 = 2e-9;
+
+/// Reports a scene that is so small that views do not come near to it.
+pub(super) fn tell_small(scene: &mut SourceScene) {
+    let [least, most] = extent(scene);
+    let length = (most - least).max_element();
+    // A single point has no length.
+    if length > 0.0 && length < SMALLEST {
+        scene.remark(format!(
+            "all of it is only {length:.1e} m across, which is too small to be looked at: scale it \
+             up, or write it in larger units"
+        ));
+    }
+}
+
+/// The least and most along each axis of the world; of what is larger than [`SMALLEST`], only a
+/// part that shows it.
+fn extent(scene: &SourceScene) -> [DVec3; 2] {
+    let mut all = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let mut add = |place: DVec3| {
+        all = [all[0].min(place), all[1].max(place)];
+        (all[1] - all[0]).max_element() < SMALLEST
+    };
+    for object in &scene.objects {
+        let positions = &scene.meshes[object.mesh].positions;
+        for world_from_mesh in &object.placements {
+            let mut places = positions
+                .iter()
+                .map(|it| world_from_mesh.transform_point3(*it));
+            if !places.all(&mut add) {
+                return all;
+            }
+        }
+    }
+    for cloud in &scene.clouds {
+        for world_from_cloud in &cloud.placements {
+            let places = 0..cloud.places.len();
+            let mut places = places.map(|it| world_from_cloud.transform_point3(cloud.at(it)));
+            if !places.all(&mut add) {
+                return all;
+            }
+        }
+    }
+    all
+}
+
 fn stands_nowhere(name: &str) -> Fault {
     let name = super::text::shortened(name);
     Fault::broken(

@@ -16,7 +16,7 @@ use crate::source::{SourceMesh, SourceScene};
 /// How a scene is written in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
-    /// glTF 2.0, as `.gltf` or as `.glb`: the file's first bytes decide.
+    /// glTF 2.0, as `.gltf`, or as `.glb` or `.vrm`: the file's first bytes decide.
     Gltf,
     /// Wavefront OBJ with its MTL.
     Obj,
@@ -34,7 +34,7 @@ impl SceneFormat {
     pub fn of(file: &Path) -> Option<Self> {
         let ending = file.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
-            "glb" | "gltf" => Some(Self::Gltf),
+            "glb" | "gltf" | "vrm" => Some(Self::Gltf),
             "obj" => Some(Self::Obj),
             "ply" => Some(Self::Ply),
             "stl" => Some(Self::Stl),
@@ -189,11 +189,13 @@ impl SceneFile<'_> {
             sheets::join_sides(&mut scene, number, &name);
         }
         mends.tell(self.name, &mut scene);
+        tell_black(&mut scene);
         scene.leave_out_empty();
         outliers::part_meshes(&mut scene);
         place::turn_up(&mut scene, self.up);
         place::check_count(&scene)?;
         place::check(&scene)?;
+        place::tell_small(&mut scene);
         if scene.clouds.is_empty() && scene.meshes.iter().all(is_flat) {
             let triangles = scene.meshes.iter().map(|it| it.triangles.len()).sum();
             sound::count(&mut scene.repairs, "zero_area_triangles", triangles);
@@ -206,6 +208,24 @@ impl SceneFile<'_> {
         }
         Ok(scene)
     }
+}
+
+/// Reports surfaces whose vertices all are black, which other programs write for no colour.
+fn tell_black(scene: &mut SourceScene) {
+    let is_black = |it: &[f32; 4]| it[..3] == [0.0; 3];
+    let is_dark = |mesh: &SourceMesh| !mesh.colours.is_empty() && mesh.colours.iter().all(is_black);
+    let dark: Vec<bool> = scene.meshes.iter().map(is_dark).collect();
+    let mut objects = scene.objects.iter().filter(|it| dark[it.mesh]);
+    let Some(first) = objects.next() else {
+        return;
+    };
+    let times = 1 + objects.count();
+    let name = shortened(&first.name);
+    sound::count(&mut scene.repairs, "black_surfaces", times);
+    scene.remark(format!(
+        "all vertices of {name:?} are black, as where colours were lost: it is drawn black \
+         (such objects: {times})"
+    ));
 }
 
 /// Whether no triangle of a mesh has any area: their corners lie in lines.

@@ -8,7 +8,8 @@ use super::mends::{COLOUR_MADE, Mends, NO_PLACE, OUT_OF_RANGE, UV_MADE};
 use crate::source::{Repairs, SourceCloud, SourceMesh, keep};
 
 /// Names in `repairs` of what is counted as a possible mistake, and was not mended.
-pub const KEPT: [&str; 8] = [
+pub const KEPT: [&str; 9] = [
+    "black_surfaces",
     "drawn_opaque",
     "duplicate_vertices",
     "mixed_winding_edges",

@@ -234,9 +234,7 @@ impl Solid {
                 match keyword.to_ascii_lowercase().as_str() {
                     keyword if is_name && !(keyword == "facet" && is_facet) => {}
                     "vertex" => {
-                        let mut next = || words.any_number().unwrap_or(f64::NAN);
-                        let place = DVec3::new(next(), next(), next());
-                        let vertex = self.vertex(place);
+                        let vertex = self.vertex(DVec3::from_array(words.three()));
                         corners.push(vertex.map_err(|what| Fault::line(last, what))?);
                     }
                     "facet" => {
@@ -264,6 +262,7 @@ impl Solid {
             }
             let place = || format!("in line {last}");
             self.mends.add(mends::COMMA, words.commas, place);
+            self.mends.add(mends::GLUED, words.glued, place);
             let broken = usize::from(words.is_broken);
             self.mends.add(mends::LINE_BROKEN, broken, place);
         }

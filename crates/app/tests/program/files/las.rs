@@ -6,7 +6,7 @@ use las::{Builder, Color, Point, Transform, Vector, Writer};
 use std::io::Cursor;
 
 /// So many points on a sheet of 10 m.
-fn scan(count: u32, format: u8, version: (u8, u8), packs: bool) -> Vec<u8> {
+pub(super) fn scan(count: u32, format: u8, version: (u8, u8), packs: bool) -> Vec<u8> {
     let mut builder = Builder::from(version);
     builder.point_format = Format::new(format).unwrap();
     builder.point_format.is_compressed = packs;
@@ -39,13 +39,13 @@ fn scan(count: u32, format: u8, version: (u8, u8), packs: bool) -> Vec<u8> {
     writer.into_inner().unwrap().into_inner()
 }
 
-fn with(mut bytes: Vec<u8>, at: usize, number: &[u8]) -> Vec<u8> {
+pub(super) fn with(mut bytes: Vec<u8>, at: usize, number: &[u8]) -> Vec<u8> {
     bytes[at..at + number.len()].copy_from_slice(number);
     bytes
 }
 
 /// How many points are shown where `names` of repairs must be reported.
-fn shown(folder: &Folder, name: &str, bytes: &[u8], names: &[&str]) -> u64 {
+pub(super) fn shown(folder: &Folder, name: &str, bytes: &[u8], names: &[&str]) -> u64 {
     let pack = folder.name("scan.foveal");
     let file = folder.holding(name, bytes);
     let done = json(&["prepare", "scene", &file, "--out", &pack, "--force"]);

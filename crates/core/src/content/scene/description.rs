@@ -183,7 +183,7 @@ pub struct Cloud {
     pub colour_bits: u8,
     /// What a code of eight bits was multiplied by in the file.
     pub colour_times: u16,
-    /// The largest intensity.
+    /// The intensity that is white; larger ones are too.
     pub most_intensity: u16,
 }
 

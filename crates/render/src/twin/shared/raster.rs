@@ -76,7 +76,9 @@ pub(crate) fn rasterise(
     mut draw: impl FnMut(&Covered<'_>),
 ) {
     let [a, b, c] = triangle.map(|corner| corner.place);
-    let face = (b - a).cross(c - a);
+    // Of unit edges: products of metres beyond 10^9 or below 10^-9 have no squares.
+    let [one, other] = [b - a, c - a].map(Vec3::normalize_or_zero);
+    let face = one.cross(other);
     let near = clipped(&triangle);
     for k in 2..near.len() {
         let part = [near[0], near[k - 1], near[k]];

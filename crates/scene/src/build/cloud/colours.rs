@@ -28,6 +28,33 @@ impl Codes {
     }
 }
 
+/// The intensity that is white: that of the last hundredth, so that a few that are far above all
+/// others leave these their contrast; 0 of none. The largest code stands for more than can be
+/// measured, and does not count unless most have it.
+pub(super) fn white_of(intensities: impl Iterator<Item = u16>) -> u16 {
+    let mut counts = vec![0_u64; usize::from(u16::MAX) + 1];
+    let mut all = 0;
+    for intensity in intensities {
+        counts[usize::from(intensity)] += 1;
+        all += 1;
+    }
+    let saturated = counts[usize::from(u16::MAX)];
+    if 2 * saturated <= all {
+        counts[usize::from(u16::MAX)] = 0;
+        all -= saturated;
+    }
+    let mut above = all / 100;
+    for (intensity, count) in (0..=u16::MAX).zip(&counts).rev() {
+        if *count > above && intensity > 0 {
+            return intensity;
+        }
+        above = above.saturating_sub(*count);
+    }
+    // All but a few are black.
+    let most = (0..=u16::MAX).zip(&counts).rev();
+    most.into_iter().find(|it| *it.1 > 0).map_or(0, |it| it.0)
+}
+
 /// Colours that are mixed. The mean is that of squares, nearly as light adds up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Mix {
@@ -65,6 +92,25 @@ mod tests {
         assert_eq!(of([257, 65_535, 0]), (8, 257, [1, 255, 0]));
         assert_eq!(of([256, 65_280, 0]), (8, 256, [1, 255, 0]));
         assert_eq!(of([256, 65_281, 0]), (16, 1, [256, 65_281, 0]));
+    }
+
+    #[test]
+    fn a_few_bright_intensities_leave_the_others_their_contrast() {
+        let of = |bright: usize, with: u16| {
+            let dark = (0..1000).map(|it| 500 + it % 100);
+            white_of(dark.chain(std::iter::repeat_n(with, bright)))
+        };
+        assert_eq!(
+            (of(0, 0), of(300, u16::MAX), of(5, 60_000)),
+            (598, 598, 599)
+        );
+        assert_eq!(of(500, 60_000), 60_000);
+        assert_eq!(white_of(std::iter::repeat_n(u16::MAX, 9)), u16::MAX);
+        assert_eq!(white_of([0; 900].into_iter().chain([7])), 7);
+        assert_eq!(
+            (white_of([0; 9].into_iter()), white_of(std::iter::empty())),
+            (0, 0)
+        );
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod tests;
 use super::built::{BuildError, BuiltUnit};
 use super::joined::Graphed;
 use crate::source::SourceCloud;
-use colours::Codes;
+use colours::{Codes, white_of};
 use foveal_core::content::mesh::payload::{Attributes, ClusterRef};
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes};
 use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneObject};
@@ -66,7 +66,7 @@ pub(super) fn build(
         attributes,
         colour_bits: codes.bits,
         colour_times: codes.times,
-        most_intensity: points.par_iter().map(|it| it.intensity).max().unwrap_or(0),
+        most_intensity: white_of(points.iter().map(|it| it.intensity)),
     };
     let octree = Octree {
         attributes,

@@ -153,7 +153,10 @@ impl Arrangement {
         let mut places = 0;
         for (input, number) in self.input.iter().zip(1..) {
             if SceneFormat::of(Path::new(&input.file)).is_none() {
-                let what = format!("{:?} is no 3D file", shortened(&input.file));
+                let what = format!(
+                    "{:?} is not a 3D file that Foveal reads",
+                    shortened(&input.file)
+                );
                 return Err(Fault::broken(format!("input {number}"), what, NEXT).into());
             }
             let named = folder.read_named(&input.file)?;

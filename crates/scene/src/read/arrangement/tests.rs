@@ -205,7 +205,7 @@ fn files_that_are_missing_elsewhere_or_no_3d_files_are_refused_by_name() {
         (
             "itself",
             file("site.toml"),
-            "input 1: \"site.toml\" is no 3D file",
+            "input 1: \"site.toml\" is not a 3D file",
         ),
     ]);
 }

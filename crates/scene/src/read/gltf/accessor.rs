@@ -4,12 +4,17 @@ use std::cell::RefCell;
 use std::collections::HashSet;
 
 use super::super::error::Fault;
+use super::super::half::half;
 use super::super::mends::{
     ACCESSOR_CUT, Mend, Mends, ODD_COMPONENTS, ODD_INDICES, SPARSE_LEFT, STRIDE_TOO_SMALL,
 };
 use super::super::text::shortened;
 use super::buffers::Buffers;
 use super::json::{Accessor, Document, Sparse};
+
+/// An index that no mesh has, and one that stands for the end of a strip.
+pub(super) const LOST: u32 = u32::MAX - 1;
+pub(super) const BREAK: u32 = u32::MAX;
 
 /// What accessors show, each bounds-checked before anything is allocated.
 pub(super) struct Accessors<'a> {
@@ -110,18 +115,6 @@ impl Component {
             value
         }
     }
-}
-
-/// The value of a real number of 16 bits: IEEE 754-2008, binary16.
-fn half(bits: u16) -> f64 {
-    let fraction = f64::from(bits & 0x3ff) / 1024.0;
-    let value = match bits >> 10 & 31 {
-        0 => fraction * (-14.0_f64).exp2(),
-        31 if fraction == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        power => (1.0 + fraction) * (f64::from(power) - 15.0).exp2(),
-    };
-    if bits >> 15 == 1 { -value } else { value }
 }
 
 /// Elements at equal distances in a view.
@@ -288,7 +281,7 @@ impl Accessors<'_> {
         is_code.then_some(f64::from(u16::MAX))
     }
 
-    /// The elements of an accessor of whole numbers; anything else is the largest.
+    /// The elements of an accessor of whole numbers; -1 is [`BREAK`], and anything else [`LOST`].
     pub(super) fn indices(&self, number: u32) -> Result<Vec<u32>, Fault> {
         let accessor = self.get(number)?;
         let whole = [
@@ -306,11 +299,23 @@ impl Accessors<'_> {
         if !component.is_some_and(|component| whole.contains(&component)) {
             self.notes.borrow_mut().add(ODD_INDICES, number, "");
         }
-        let index = |[index]: [f64; 1]| match index.fract() == 0.0 && index >= 0.0 {
-            true => index as u32,
-            false => u32::MAX,
+        let index = |[index]: [f64; 1]| match index {
+            // It has the same bits as the largest.
+            -1.0 => BREAK,
+            index if index.fract() == 0.0 && index >= 0.0 => index as u32,
+            _ => LOST,
         };
         Ok(rows.into_iter().map(index).collect())
+    }
+
+    /// The largest index of the kind of an accessor, by which graphics cards begin a strip again.
+    pub(super) fn largest_index(&self, number: u32) -> Result<u32, Fault> {
+        let kind = Component::of(self.get(number)?.component_type);
+        Ok(match kind {
+            Some(Component::U8 | Component::I8) => u32::from(u8::MAX),
+            Some(Component::U16 | Component::I16) => u32::from(u16::MAX),
+            _ => BREAK,
+        })
     }
 
     /// What the document says of an accessor.

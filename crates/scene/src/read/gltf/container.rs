@@ -147,6 +147,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Parsed<'_>, Fault> {
     mended += document.adopt_near_names();
     let version = document.asset.version();
     if !(version.starts_with("2.") || version == "2" || version.is_empty()) {
+        if version == "1" || version.starts_with("1.") {
+            return Err(of_version_1());
+        }
         let version = shortened(&version);
         let what = format!("its version of glTF is {version:?}");
         return Err(Fault::unsupported(what, "export it as glTF 2.0"));
@@ -178,8 +181,32 @@ fn document_of(json: &[u8]) -> Result<(Document, usize), Fault> {
     if let Some((document, more)) = fitted(&text) {
         return Ok((document, count + more));
     }
+    if is_version_1(&text) {
+        return Err(of_version_1());
+    }
     let place = format!("JSON, line {} column {}", error.line(), error.column());
     Err(Fault::at(place, format!("is no glTF: {error}")))
+}
+
+/// Whether JSON is that of glTF 1.0, which has objects by name in place of lists.
+fn is_version_1(json: &[u8]) -> bool {
+    let Ok(said) = serde_json::from_slice::<serde_json::Value>(json) else {
+        return false;
+    };
+    let version = match &said["asset"]["version"] {
+        serde_json::Value::String(version) => version.clone(),
+        other => other.to_string(),
+    };
+    let is_named = ["meshes", "accessors", "nodes"]
+        .iter()
+        .any(|it| said[it].is_object());
+    version == "1" || version.starts_with("1.") || version == "null" && is_named
+}
+
+/// Refuses glTF 1.0.
+fn of_version_1() -> Fault {
+    let next = "convert it to 2.0, for instance with `npx gltf-pipeline -i OLD -o NEW.glb`";
+    Fault::unsupported("it is glTF 1.0", next)
 }
 
 /// Refuses a file that cannot be read without an extension.
@@ -203,6 +230,9 @@ fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, Fault> {
         )
     };
     let version = word_at(bytes, 4).ok_or_else(short)?;
+    if version == 1 {
+        return Err(of_version_1());
+    }
     if version != 2 {
         let what = format!("its version of binary glTF is {version}");
         return Err(Fault::unsupported(what, "export it as glTF 2.0"));
@@ -215,15 +245,17 @@ fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, Fault> {
     });
     let mut at = HEADER_BYTES;
     let json = chunk(bytes, &mut at, JSON_CHUNK)?.ok_or_else(|| {
-        Fault::at(
-            format!("byte {HEADER_BYTES}"),
-            "the first chunk is not JSON",
-        )
+        let what = match word_at(bytes, HEADER_BYTES + 4) {
+            Some(_) => "there is no chunk of JSON",
+            None => "the file ends in its header",
+        };
+        Fault::at(format!("byte {HEADER_BYTES}"), what)
     })?;
     // Some begin the next chunk where it should, but do not count what lies before it.
     let aligned = at.next_multiple_of(4);
+    let behind_json = at;
     let mut binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
-    if binary.is_none() && aligned != at {
+    if binary.is_none() && aligned != behind_json {
         at = aligned;
         binary = chunk(bytes, &mut at, BINARY_CHUNK)?;
     }
@@ -239,23 +271,30 @@ fn chunks(bytes: &[u8]) -> Result<Chunks<'_>, Fault> {
     })
 }
 
-/// The chunk at a place if it is of a kind; the place is then behind it, which may be behind the
-/// file for a binary one.
+/// The next chunk of a kind, from a place on; that is then behind it, which may be behind the file
+/// for a binary one. Chunks of kinds that glTF does not have are passed over, as it demands.
 fn chunk<'a>(bytes: &'a [u8], at: &mut usize, kind: u32) -> Result<Option<&'a [u8]>, Fault> {
-    let (Some(length), Some(found)) = (word_at(bytes, *at), word_at(bytes, *at + 4)) else {
-        return Ok(None);
-    };
-    if found != kind {
-        return Ok(None);
+    let mut next = *at;
+    loop {
+        let (Some(length), Some(found)) = (word_at(bytes, next), word_at(bytes, next + 4)) else {
+            return Ok(None);
+        };
+        let begin = next + 8;
+        let end = begin.saturating_add(length as usize);
+        if found != kind {
+            if [JSON_CHUNK, BINARY_CHUNK].contains(&found) || end > bytes.len() {
+                return Ok(None);
+            }
+            next = end;
+            continue;
+        }
+        let cut = (kind == BINARY_CHUNK).then(|| &bytes[begin..]);
+        let Some(chunk) = bytes.get(begin..end).or(cut) else {
+            let left = bytes.len() - begin;
+            let what = format!("a chunk of {length} bytes is said to follow, {left} do");
+            return Err(Fault::at(format!("byte {next}"), what));
+        };
+        *at = end;
+        return Ok(Some(chunk));
     }
-    let begin = *at + 8;
-    let end = begin.saturating_add(length as usize);
-    let cut = (kind == BINARY_CHUNK).then(|| &bytes[begin..]);
-    let Some(chunk) = bytes.get(begin..end).or(cut) else {
-        let left = bytes.len() - begin;
-        let what = format!("a chunk of {length} bytes is said to follow, {left} do");
-        return Err(Fault::at(format!("byte {at}"), what));
-    };
-    *at = end;
-    Ok(Some(chunk))
 }

@@ -8,12 +8,12 @@ use super::super::colour::Depth;
 use super::super::error::Fault;
 use super::super::mends::{
     ATTRIBUTE_LEFT, ATTRIBUTE_LENGTH, COLOUR_MADE, FAN_FILLED, MATERIAL_NOT_FOUND, Mends,
-    PART_LEFT, POINT_WITHOUT_PLACE, SHAPE_LEFT, TEXTURE_WITHOUT_UVS,
+    PART_LEFT, POINT_WITHOUT_PLACE, RESTARTED, SHAPE_LEFT, TEXTURE_WITHOUT_UVS,
 };
 use super::super::outliers;
 use super::super::polygon::{Filler, Filling, tell};
 use super::super::sound::count;
-use super::accessor::Accessors;
+use super::accessor::{Accessors, BREAK, LOST};
 use super::json::{GltfAttributes, Primitive};
 use crate::build::codes_from_linear;
 use crate::source::{Repairs, SourceCloud, SourceMesh, SourceScene};
@@ -81,7 +81,7 @@ impl MeshPoints {
             true => self.colours.iter().map(code).collect(),
             false => Vec::new(),
         };
-        outliers::clouds(name, &self.positions, &colours, scene)
+        outliers::clouds(name, &self.positions, colours, scene)
     }
 }
 
@@ -194,9 +194,11 @@ impl MeshReader<'_> {
         let corners = self.corners(primitive, vertices, place)?;
         let before = mesh.triangles.len();
         let mode = primitive.mode.unwrap_or(4);
-        if mode != FAN || !self.add_outline(mesh, &corners, place) {
-            self.add_triangles(mesh, &corners, mode)
-                .map_err(|what| Fault::at(place, what))?;
+        for part in corners.split(|corner| *corner == BREAK) {
+            if mode != FAN || !self.add_outline(mesh, part, place) {
+                self.add_triangles(mesh, part, mode)
+                    .map_err(|what| Fault::at(place, what))?;
+            }
         }
         let added = mesh.triangles.len() - before;
         mesh.materials.extend(std::iter::repeat_n(material, added));
@@ -219,7 +221,7 @@ impl MeshReader<'_> {
         let corners = self.corners(primitive, added, place)?;
         let factor = self.factors.get(material as usize).copied();
         let factor = factor.unwrap_or(WHITE);
-        for corner in corners {
+        for corner in corners.into_iter().filter(|it| *it != BREAK) {
             let corner = corner as usize;
             let position = vertices.positions.get(corner).copied();
             let Some(position) = position.filter(|it| it.is_finite()) else {
@@ -472,13 +474,27 @@ impl MeshReader<'_> {
         };
         self.spend(self.accessors.count(number)?, place)?;
         let mut corners = self.accessors.indices(number)?;
+        let largest = self.accessors.largest_index(number)?;
+        let is_there = |index: u32| (index as usize) < vertices.count;
+        let is_end = |index: &u32| [largest, BREAK].contains(index);
+        let breaks = match primitive.mode.unwrap_or(4) {
+            STRIP | FAN => true,
+            // In lists it may be a mistake, which costs one triangle.
+            4 => corners.split(is_end).all(|it| it.len() % 3 == 0) && !is_there(largest),
+            _ => !is_there(largest),
+        };
+        let mut ends = 0;
         for corner in &mut corners {
-            *corner = match (*corner as usize) < vertices.count {
-                true => *corner + first,
+            let ends_here = breaks && is_end(corner);
+            ends += usize::from(ends_here);
+            *corner = match *corner {
+                _ if ends_here => BREAK,
+                index if is_there(index) => index + first,
                 // An invalid one is left out with its triangle.
-                false => u32::MAX,
+                _ => LOST,
             };
         }
+        self.mends.add(RESTARTED, ends, || format!("in {place}"));
         Ok(corners)
     }
 
@@ -499,7 +515,7 @@ impl MeshReader<'_> {
                 triangles.extend_from_slice(whole);
                 count(left_out, "corners_left_out", rest.len());
             }
-            5 => {
+            STRIP => {
                 let all = corners.windows(3).enumerate();
                 triangles.extend(all.map(|(index, at)| match index % 2 {
                     0 => [at[0], at[1], at[2]],
@@ -557,8 +573,9 @@ fn moves<'a>(primitive: &'a Primitive, weights: &[f64]) -> Vec<(&'a GltfAttribut
     all.filter(|(_, weight)| *weight != 0.0).collect()
 }
 
-/// The mode of a part that is points, and of one that is a fan.
+/// The modes of parts that are points, a strip or a fan.
 const POINTS: u32 = 0;
+const STRIP: u32 = 5;
 const FAN: u32 = 6;
 const WHITE: [f32; 4] = [1.0; 4];
 

@@ -15,6 +15,8 @@ const RECORD_HEAD: usize = 54;
 const LATER_RECORD_HEAD: usize = 60;
 /// Stands for an unknown number of points.
 const UNCOUNTED: u64 = u32::MAX as u64;
+/// Where the bounds begin: the most and the least of each axis.
+pub(super) const BOUNDS_AT: usize = 179;
 /// Bits of the point format by which LASzip says that points are packed.
 const PACKED: u8 = 0xc0;
 
@@ -77,6 +79,24 @@ impl Layout {
     }
 }
 
+/// Whether a number can be the length of a step, along an axis or against it.
+pub(super) fn is_step(scale: f64) -> bool {
+    scale.is_finite() && scale != 0.0 && scale.abs() <= 1e12
+}
+
+/// Whether a number can be where a grid begins.
+pub(super) fn is_place(offset: f64) -> bool {
+    offset.abs() <= 1e15
+}
+
+/// How far the header says that points reach along an axis: the least and the most, of a whole
+/// header.
+pub(super) fn bounds_of(bytes: &[u8], axis: usize) -> [f64; 2] {
+    let number = |at: usize| f64::from_bits(long_at(bytes, at));
+    let at = BOUNDS_AT + 16 * axis;
+    [number(at + 8), number(at)]
+}
+
 /// What is to be known of a file before its points.
 #[derive(Clone, Debug)]
 pub(super) struct LasHeader {
@@ -103,7 +123,10 @@ impl LasHeader {
     /// Reads the header; what it says that does not fit the file, and that nothing shown depends
     /// on, is noted in `mends`.
     pub(super) fn parse(bytes: &[u8], mends: &mut LasMends) -> Result<Self, Fault> {
-        if !bytes.starts_with(b"LASF") {
+        if !bytes
+            .get(..4)
+            .is_some_and(|it| it.eq_ignore_ascii_case(b"LASF"))
+        {
             return Err(Fault::at("byte 0", "a LAS file begins with `LASF`"));
         }
         if bytes.len() < HEADER_BYTES[0] {
@@ -128,12 +151,14 @@ impl LasHeader {
             count: 0,
             is_counted: true,
             points_at: word_at(bytes, 96) as usize,
-            points_end: end_of_points(bytes, minor, layout.has_waves),
+            points_end: bytes.len(),
             scale: [131, 139, 147].map(number),
             offset: [155, 163, 171].map(number),
-            header_bytes: usize::from(half_at(bytes, 94)),
+            header_bytes: header_bytes_of(bytes),
             records: word_at(bytes, 100),
         };
+        header.mend_begin(bytes, minor, mends);
+        header.points_end = end_of_points(bytes, minor, layout.has_waves, header.points_at);
         header.mend_record_bytes(bytes, minor, mends);
         header.check(bytes.len())?;
         header.count = header.count_of(bytes, minor, mends)?;
@@ -243,6 +268,57 @@ impl LasHeader {
         }
     }
 
+    /// Finds where the points begin, where the header says a place within itself, behind the end,
+    /// or within its records though the points fit exactly behind them.
+    fn mend_begin(&mut self, bytes: &[u8], minor: u8, mends: &mut LasMends) {
+        let said = usize::from(half_at(bytes, 94));
+        if said != self.header_bytes {
+            mends.stale_count(format!(
+                "the header is said to have {said} bytes: {} are read, as of its version",
+                self.header_bytes
+            ));
+        }
+        let Some(begin) = self.behind_records(bytes) else {
+            return;
+        };
+        let is_possible = (self.header_bytes..=bytes.len()).contains(&self.points_at);
+        let new = if minor >= 4 { long_at(bytes, 247) } else { 0 };
+        let count = u64::from(word_at(bytes, 107)).max(new);
+        let length = self.record_bytes.max(1);
+        let held = (bytes.len().saturating_sub(begin) / length) as u64;
+        let is_exact = |at: usize| {
+            let room = bytes.len().saturating_sub(at) as u64;
+            count > 0 && count.checked_mul(length as u64) == Some(room)
+        };
+        let is_within_records = self.points_at < begin && !is_exact(self.points_at);
+        let fits = match (is_possible, self.is_packed) {
+            (true, _) => is_within_records && !self.is_packed && is_exact(begin),
+            (false, true) => begin < bytes.len(),
+            (false, false) => held > 0 && held >= count,
+        };
+        if fits {
+            mends.stale_count(format!(
+                "points are said to begin at byte {}: those behind the records before them, at \
+                 byte {begin}, are read",
+                self.points_at
+            ));
+            self.points_at = begin;
+        }
+    }
+
+    /// Where the records before the points end; `None` where they do not fit.
+    fn behind_records(&self, bytes: &[u8]) -> Option<usize> {
+        let mut at = self.header_bytes;
+        for _ in 0..self.records {
+            let head = bytes.get(at..at + RECORD_HEAD)?;
+            at += RECORD_HEAD + usize::from(half_at(head, 20));
+        }
+        // LAS 1.0 marks where points begin.
+        let is_marked = bytes.get(at..at + 2) == Some(&[0xdd, 0xcc]) && bytes[25] == 0;
+        let begin = if is_marked { at + 2 } else { at };
+        (begin <= bytes.len()).then_some(begin)
+    }
+
     /// The records before the points, each with its head.
     fn each_record<'a>(&self, bytes: &'a [u8]) -> impl Iterator<Item = (&'a [u8], &'a [u8])> {
         let mut rest = bytes.get(self.header_bytes..self.points_at);
@@ -256,9 +332,12 @@ impl LasHeader {
 
     fn check(&self, length: usize) -> Result<(), Fault> {
         let wrong = |at: u32, what: String| Err(Fault::at(format!("byte {at}"), what));
-        if self.header_bytes < HEADER_BYTES[0] || self.header_bytes > self.points_at {
-            let [found, least] = [self.header_bytes, HEADER_BYTES[0]];
-            return wrong(94, format!("the header has {found} bytes, of {least}"));
+        if self.header_bytes > self.points_at {
+            let what = format!(
+                "points are said to begin at byte {}, within the header of {} bytes",
+                self.points_at, self.header_bytes
+            );
+            return wrong(96, what);
         }
         if self.points_at > length {
             let what = format!("points begin at byte {}, behind the end", self.points_at);
@@ -270,13 +349,6 @@ impl LasHeader {
                 105,
                 format!("a point has {found} bytes, of at least {least}"),
             );
-        }
-        let is_step = |it: &f64| it.is_finite() && *it > 0.0 && *it <= 1e12;
-        if !self.scale.iter().all(is_step) {
-            return wrong(131, format!("the scale {:?} is invalid", self.scale));
-        }
-        if !self.offset.iter().all(|it| it.abs() <= 1e15) {
-            return wrong(155, format!("the offset {:?} is invalid", self.offset));
         }
         Ok(())
     }
@@ -328,6 +400,19 @@ impl LasHeader {
     }
 }
 
+/// Bytes of the header: what it says, or those of its version where that cannot be.
+fn header_bytes_of(bytes: &[u8]) -> usize {
+    let said = usize::from(half_at(bytes, 94));
+    let minor = bytes[25].clamp(2, 4);
+    let usual = HEADER_BYTES[usize::from(minor - 2)];
+    let points_at = word_at(bytes, 96) as usize;
+    let is_behind_points = said > points_at && points_at >= usual;
+    match said < HEADER_BYTES[0] || is_behind_points {
+        true => usual,
+        false => said,
+    }
+}
+
 /// The minor version, as far as the header reaches.
 fn version(bytes: &[u8], mends: &mut LasMends) -> Result<u8, Fault> {
     let [major, minor] = [bytes[24], bytes[25]];
@@ -337,7 +422,7 @@ fn version(bytes: &[u8], mends: &mut LasMends) -> Result<u8, Fault> {
             "write it as LAS 1.4, or 1.2",
         ));
     }
-    let header_bytes = usize::from(half_at(bytes, 94)).min(bytes.len());
+    let header_bytes = header_bytes_of(bytes).min(bytes.len());
     let reaches = |minor: &u8| HEADER_BYTES[usize::from(*minor - 2)] <= header_bytes;
     let reached = (2..=minor.clamp(2, 4)).rev().find(reaches).unwrap_or(2);
     if minor > 4 {
@@ -352,13 +437,12 @@ fn version(bytes: &[u8], mends: &mut LasMends) -> Result<u8, Fault> {
 }
 
 /// Where waveforms and records after the points begin, or else the file ends.
-fn end_of_points(bytes: &[u8], minor: u8, has_waves: bool) -> usize {
+fn end_of_points(bytes: &[u8], minor: u8, has_waves: bool, points_at: usize) -> usize {
     let mut end = bytes.len();
     let has_later = minor >= 4 && word_at(bytes, 243) > 0;
     for (counts, at) in [(minor >= 3 && has_waves, 227), (has_later, 235)] {
         if counts {
             let begin = usize::try_from(long_at(bytes, at)).unwrap_or(usize::MAX);
-            let points_at = word_at(bytes, 96) as usize;
             if begin > points_at {
                 end = end.min(begin);
             }

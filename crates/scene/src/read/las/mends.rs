@@ -25,6 +25,12 @@ impl LasMends {
         self.count("stale_counts", 1);
     }
 
+    /// A scale that counts the other way.
+    pub(super) fn negative_scale(&mut self, remark: String) {
+        self.remark(remark);
+        self.count("negative_scales", 1);
+    }
+
     /// So many points of all that the header counts are not there.
     pub(super) fn miss(&mut self, missing: u64, all: u64, why: &str) {
         if missing > 0 {

@@ -10,6 +10,7 @@ mod packed;
 mod records;
 #[cfg(test)]
 mod tests;
+mod unpacking;
 
 use super::colour::mend_codes;
 use super::error::Fault;
@@ -17,14 +18,15 @@ use super::outliers;
 use super::text::shortened;
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
-use header::LasHeader;
+use header::{LasHeader, is_place, is_step};
 use mends::LasMends;
 use records::Records;
 
 /// Reads a LAS or LAZ file into one cloud called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut mends = LasMends::default();
-    let header = LasHeader::parse(bytes, &mut mends)?;
+    let mut header = LasHeader::parse(bytes, &mut mends)?;
+    mend_packing(bytes, &mut header, &mut mends);
     let mut records = Records::new(header.layout);
     let length = header.record_bytes;
     if header.is_packed {
@@ -34,6 +36,8 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         all.chunks_exact(length)
             .for_each(|record| records.add(record));
     }
+    fit_to_bounds(bytes, &mut header, &records, &mut mends)?;
+    turn_negative(&mut header, &mut records, &mut mends);
     let mut scene = SourceScene::default();
     if records.has_waves {
         scene.remark("waveforms of laser echoes are not drawn");
@@ -54,4 +58,71 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     };
     scene.clouds = outliers::clouds_on_grid(cloud, &mut scene);
     Ok(scene)
+}
+
+/// Treats points as plain that are said to be packed, though no record says how, and that fit
+/// exactly as they are.
+fn mend_packing(bytes: &[u8], header: &mut LasHeader, mends: &mut LasMends) {
+    let room = header.points_end.saturating_sub(header.points_at) as u64;
+    let is_exact = header.count.checked_mul(header.record_bytes as u64) == Some(room);
+    if header.is_packed && is_exact && !packed::is_explained(bytes, header) {
+        header.is_packed = false;
+        mends.stale_count(
+            "the points are said to be packed, but are not: they are read as they are".to_owned(),
+        );
+    }
+}
+
+/// Makes lengths of steps positive, and turns places along such axes.
+fn turn_negative(header: &mut LasHeader, records: &mut Records, mends: &mut LasMends) {
+    for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
+        if header.scale[k] < 0.0 {
+            header.scale[k] = -header.scale[k];
+            for place in &mut records.cloud.places {
+                place[k] = place[k].saturating_neg();
+            }
+            mends.negative_scale(format!(
+                "the scale along {name} is negative: whole numbers along it count the other way, \
+                 and are read so"
+            ));
+        }
+    }
+}
+
+/// Makes lengths of steps that are no lengths, and beginnings of grids that are no places, from how
+/// far the header says that points reach.
+fn fit_to_bounds(
+    bytes: &[u8],
+    header: &mut LasHeader,
+    records: &Records,
+    mends: &mut LasMends,
+) -> Result<(), Fault> {
+    for (k, name) in ['x', 'y', 'z'].into_iter().enumerate() {
+        let (scale, offset) = (header.scale[k], header.offset[k]);
+        if is_step(scale) && is_place(offset) {
+            continue;
+        }
+        let along = || records.places().iter().map(|it| f64::from(it[k]));
+        let reach = along().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], it| {
+            [low.min(it), high.max(it)]
+        });
+        let [low, high] = header::bounds_of(bytes, k);
+        let fitting = (high - low) / (reach[1] - reach[0]);
+        let step = if is_step(scale) { scale } else { fitting };
+        if !(is_step(step) && is_place(low) && low < high) {
+            let what = format!(
+                "the scale {scale} and the offset {offset} along {name} are no grid, and no bounds \
+                 show which is meant"
+            );
+            return Err(Fault::at("byte 131", what));
+        }
+        header.scale[k] = step;
+        header.offset[k] = low - (reach[0] * step).min(reach[1] * step);
+        mends.stale_count(format!(
+            "the scale along {name} is {scale} and the offset {offset}, which is no grid: {step} \
+             and {} fit the bounds of all points",
+            header.offset[k]
+        ));
+    }
+    Ok(())
 }

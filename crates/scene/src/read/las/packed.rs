@@ -4,15 +4,15 @@
 //! length before `laz` is given a chunk, which allocates what it is asked to.
 
 use super::super::error::Fault;
-use super::header::{LasHeader, half_at, word_at};
+use super::header::{LasHeader, bounds_of, half_at, word_at};
 use super::mends::LasMends;
 use super::records::Records;
+use super::unpacking::{Chunk, POINTER_BYTES, Packing, number_of_last, unpack, unpack_until_end};
 use foveal_core::units::counted;
 use laz::laszip::ChunkTable;
-use laz::{DecompressionSelection, LasZipDecompressor, LazItemType, LazVlr};
+use laz::{LazItemType, LazVlr};
 use std::cmp::Ordering;
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Who writes the record that says how points are packed, and its number.
 const LASZIP: &[u8] = b"laszip encoded";
@@ -20,39 +20,16 @@ const LASZIP_NUMBER: u16 = 22204;
 /// Bytes of what that says before its items, and of an item.
 const HEAD_BYTES: usize = 34;
 const ITEM_BYTES: usize = 6;
-/// Where in it the size of chunks stands.
-const CHUNK_SIZE_AT: usize = 12;
 /// Stands for chunks of several sizes.
 const ANY_SIZE: u32 = u32::MAX;
-/// Bytes that say where the table of chunks lies.
-const POINTER_BYTES: usize = 8;
 /// Bytes that a byte unpacks to at most, besides what may always be: more would be the same point,
 /// over and over. Scans of a plain by a machine reach hundreds.
 const MOST_UNPACKED: u64 = 2048;
 const MOST_FREE: u64 = 1 << 25;
-/// Bytes that are unpacked at a time.
-const PART_BYTES: usize = 1 << 18;
-/// Where the header's bounds begin: the most and the least of each axis.
-const BOUNDS_AT: usize = 179;
 /// Bytes that may be left of a chunk behind its points: what ends a coder.
 const MOST_LEFT: u64 = 16;
 /// Most points of a chunk.
 const MOST_OF_CHUNK: u64 = 1 << 24;
-
-/// How points are packed: all in one, in chunks, or in chunks of layers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Packing {
-    One,
-    Chunks,
-    Layers,
-}
-
-/// A stretch of packed points: where it lies, and how many these are.
-struct Chunk<'a> {
-    at: usize,
-    bytes: &'a [u8],
-    points: u64,
-}
 
 /// How the points of a file are packed.
 struct Packed<'a> {
@@ -63,6 +40,11 @@ struct Packed<'a> {
     record_bytes: usize,
     /// Where the header says that points lie, grown by its own size; `None` where it says nothing.
     bounds: Option<[[f64; 2]; 3]>,
+}
+
+/// Whether a record says how the points are packed.
+pub(super) fn is_explained(bytes: &[u8], header: &LasHeader) -> bool {
+    header.record(bytes, LASZIP, LASZIP_NUMBER).is_some()
 }
 
 /// Unpacks all points, record by record; a chunk that is damaged, or that is not there, costs its
@@ -134,30 +116,30 @@ impl Packed<'_> {
         records: &mut Records,
         mends: &mut LasMends,
     ) -> Result<(), Fault> {
-        let all: u64 = chunks.iter().map(|chunk| chunk.points).sum();
+        let mut all: u64 = chunks.iter().map(|chunk| chunk.points).sum();
         let bytes: usize = chunks.iter().map(|chunk| chunk.bytes.len()).sum();
         if all > self.most_points(bytes) {
             let what = format!("its chunks {all}, which cannot be in {bytes} bytes");
             return Err(header.wrong_count(&what));
         }
-        let is_open = self.vlr.chunk_size() == ANY_SIZE;
-        let is_equal = self.packing == Packing::Chunks && !is_open;
+        let is_equal = self.packing == Packing::Chunks && self.vlr.chunk_size() != ANY_SIZE;
         let mut first_fault = None;
-        let (mut lost, mut broken) = (0, 0);
-        let mut all = all;
+        let (mut lost, mut broken, mut is_known) = (0, 0, false);
         for (number, chunk) in chunks.iter().enumerate() {
             let before = records.len();
             let is_last = is_equal && number + 1 == chunks.len();
             // How many the last chunk has is not known where the header counts too many.
-            let read = match is_last && all < header.count {
+            let is_endless = is_last && all < header.count;
+            let read = match is_endless {
                 true => Err("the header counts more points than chunks can hold".to_owned()),
                 false => self.one(chunk, records),
             };
             match read {
-                Ok(left) if left > MOST_LEFT && self.packing != Packing::Layers => {
-                    mends.leave_behind(left as usize, header.count);
+                Ok(left) => self.tell_left(left, header, mends),
+                Err(_) if is_endless && self.is_whole(chunk, header, records) => {
+                    all = all - chunk.points + (records.len() - before) as u64;
+                    is_known = true;
                 }
-                Ok(_) => {}
                 Err(what) if is_last => {
                     records.truncate(before);
                     let found = self.surely(chunk, records);
@@ -183,10 +165,8 @@ impl Packed<'_> {
         match first_fault {
             Some((place, what)) if records.len() == 0 => return Err(Fault::at(place, what)),
             Some((place, what)) => {
-                let why = format!(
-                    "{} damaged, first {place}: {what}",
-                    counted(broken, "chunk")
-                );
+                let damaged = counted(broken, "chunk");
+                let why = format!("{damaged} damaged, first {place}: {what}");
                 mends.miss(lost, header.count, &why);
             }
             None if records.len() == 0 => {
@@ -194,8 +174,35 @@ impl Packed<'_> {
             }
             None => {}
         }
-        tell_count(all, header, mends);
+        if header.is_counted || !is_known {
+            tell_count(all, header, mends);
+        }
         Ok(())
+    }
+
+    /// Reports bytes of a chunk that are left behind its points.
+    fn tell_left(&self, left: u64, header: &LasHeader, mends: &mut LasMends) {
+        if left > MOST_LEFT && self.packing != Packing::Layers {
+            mends.leave_behind(left as usize, header.count);
+        }
+    }
+
+    /// Unpacks the points of a chunk of unknown number, if packing them again shows how many there
+    /// are and none lies far outside; else leaves the records as they are.
+    fn is_whole(&self, chunk: &Chunk<'_>, header: &LasHeader, records: &mut Records) -> bool {
+        let before = records.len();
+        let sure = self.surely(chunk, records);
+        records.truncate(before);
+        let Some(all) = number_of_last(chunk, self.said, self.record_bytes, sure) else {
+            return false;
+        };
+        all.chunks_exact(self.record_bytes)
+            .for_each(|record| records.add(record));
+        let is_near = self.first_stray(before, header, records).is_none();
+        if !is_near {
+            records.truncate(before);
+        }
+        is_near
     }
 
     /// Unpacks the points of a chunk of unknown number that surely are there: those that come
@@ -330,19 +337,11 @@ fn tell_count(all: u64, header: &LasHeader, mends: &mut LasMends) {
     }
 }
 
-impl Chunk<'_> {
-    /// Which of so many chunks it is, and where, in words.
-    fn place(&self, number: usize, of: usize) -> String {
-        format!("byte {}, chunk {number} of {of}", self.at)
-    }
-}
-
 /// The bounds in the header, most before least, grown by their size and a metre; `None` where they
 /// are not numbers or all alike.
 fn grown_bounds(bytes: &[u8]) -> Option<[[f64; 2]; 3]> {
-    let number = |at: usize| Some(f64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
     let side = |k: usize| {
-        let [most, least] = [number(BOUNDS_AT + 16 * k)?, number(BOUNDS_AT + 16 * k + 8)?];
+        let [least, most] = bounds_of(bytes, k);
         let room = most - least + 1.0;
         (room >= 1.0).then_some([least - room, most + room])
     };
@@ -508,84 +507,4 @@ fn table_of_chunks<'a>(bytes: &'a [u8], header: &LasHeader) -> Result<(usize, &'
         let what = "the table of chunks is missing: the file was cut short, or never finished";
         Fault::at(format!("byte {}", header.points_at), what)
     })
-}
-
-/// What of a point is unpacked.
-fn kept() -> DecompressionSelection {
-    DecompressionSelection::xy_returns_channel()
-        .decompress_z()
-        .decompress_intensity()
-        .decompress_classification()
-        .decompress_rgb()
-}
-
-/// Unpacks at most so many points from the start of bytes that may end early, until so many bytes
-/// are read. Returns how many there are, how many bytes they took, and why no more came.
-fn unpack_until_end(
-    bytes: &[u8],
-    said: &[u8],
-    (most, until): (u64, u64),
-    records: &mut Records,
-) -> (u64, usize, Option<String>) {
-    let mut points = 0;
-    let mut unpacked = || -> Result<usize, String> {
-        let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
-        let mut record = vec![0; vlr.items_size() as usize];
-        let mut unpacking = LasZipDecompressor::selective(Cursor::new(bytes), vlr, kept())
-            .map_err(|error| error.to_string())?;
-        while points < most && unpacking.get().position() <= until {
-            let one = unpacking.decompress_one(&mut record);
-            one.map_err(|error| format!("they end after {points} points: {error}"))?;
-            records.add(&record);
-            points += 1;
-        }
-        Ok(unpacking.into_inner().position() as usize)
-    };
-    let unwound = |_| Err("it is damaged".to_owned());
-    let taken = catch_unwind(AssertUnwindSafe(&mut unpacked)).unwrap_or_else(unwound);
-    match taken {
-        Ok(taken) => (points, taken, None),
-        Err(why) => (points, 0, Some(why)),
-    }
-}
-
-/// Unpacks the records of a chunk, some at a time, and returns how many bytes of it are left.
-fn unpack(
-    chunk: &Chunk<'_>,
-    (said, record_bytes): (&[u8], usize),
-    packing: Packing,
-    each: &mut dyn FnMut(&[u8]),
-) -> Result<u64, String> {
-    // As a file of one chunk: a pointer to its table, the chunk, and a table of none.
-    let mut file = Vec::with_capacity(chunk.bytes.len() + 2 * POINTER_BYTES);
-    if packing != Packing::One {
-        file.extend(((POINTER_BYTES + chunk.bytes.len()) as u64).to_le_bytes());
-    }
-    file.extend(chunk.bytes);
-    let end = file.len() as u64;
-    file.extend([0; POINTER_BYTES]);
-    let mut said = said.to_vec();
-    let size = (chunk.points as u32).to_le_bytes();
-    said[CHUNK_SIZE_AT..CHUNK_SIZE_AT + 4].copy_from_slice(&size);
-    let vlr = LazVlr::from_buffer(said).map_err(|error| error.to_string())?;
-    let unpacked = || {
-        let mut unpacking = LasZipDecompressor::selective(Cursor::new(file), vlr, kept())
-            .map_err(|error| error.to_string())?;
-        let at_once = (PART_BYTES / record_bytes).max(1) as u64;
-        let mut records = vec![0; at_once.min(chunk.points) as usize * record_bytes];
-        let mut left = chunk.points;
-        while left > 0 {
-            let part = &mut records[..at_once.min(left) as usize * record_bytes];
-            unpacking
-                .decompress_many(part)
-                .map_err(|error| format!("its {} points end too early: {error}", chunk.points))?;
-            part.chunks_exact(record_bytes).for_each(&mut *each);
-            left -= at_once.min(left);
-        }
-        Ok(end.saturating_sub(unpacking.into_inner().position()))
-    };
-    // It takes for granted that what a coder gives is in range, and unwinds where it is not; what
-    // came before is dropped with the file.
-    let unwound = |_| Err("it is damaged".to_owned());
-    catch_unwind(AssertUnwindSafe(unpacked)).unwrap_or_else(unwound)
 }

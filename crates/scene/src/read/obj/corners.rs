@@ -170,7 +170,8 @@ impl Late {
     /// many of each stand before it.
     pub(super) fn corner(&mut self, word: &str, counts: [usize; 3]) -> FaceCorner {
         let mut named = [LOST, NONE, NONE];
-        for ((k, part), count) in (0..3).zip(word.split('/')).zip(counts) {
+        let parts = word.as_bytes().split(|it| *it == b'/');
+        for ((k, part), count) in (0..3).zip(parts).zip(counts) {
             if part.is_empty() {
                 continue;
             }
@@ -228,8 +229,14 @@ fn from_zero(number: i64) -> u32 {
 }
 
 /// A whole number, maybe written as `1.0` or `1e+05`.
-fn whole(word: &str) -> Option<i64> {
+fn whole(word: &[u8]) -> Option<i64> {
     const MOST: f64 = (1_u64 << 32) as f64;
+    // Nearly all are a few digits.
+    if word.len() < 10 && word.iter().all(u8::is_ascii_digit) {
+        let digits = word.iter().map(|digit| i64::from(digit - b'0'));
+        return Some(digits.fold(0, |number, digit| 10 * number + digit));
+    }
+    let word = core::str::from_utf8(word).ok()?;
     if let Ok(number) = word.parse::<i64>() {
         return Some(number.clamp(-(MOST as i64), MOST as i64));
     }

@@ -8,6 +8,7 @@ mod corners;
 mod mtl;
 mod points;
 mod polypaint;
+mod rows;
 mod shown;
 
 use std::collections::{HashMap, HashSet};
@@ -77,6 +78,9 @@ struct Reader<'a> {
     late: Late,
     points: NamedPoints,
     polypaint: Polypaint,
+    /// How many numbers the last `v` and `vt` lines had; 0 before the first.
+    place_columns: usize,
+    uv_columns: usize,
     mends: Mends,
     /// The pictures that were read, by name; `None` for one that is missing.
     images: HashMap<String, Option<usize>>,
@@ -115,6 +119,8 @@ impl Reader<'_> {
             late: Late::of(first),
             points: NamedPoints::default(),
             polypaint: Polypaint::default(),
+            place_columns: 0,
+            uv_columns: 0,
             mends: Mends::default(),
             library: Library::default(),
             libraries: HashSet::new(),
@@ -138,17 +144,7 @@ impl Reader<'_> {
             false => keyword,
         };
         if matches!(keyword, "v" | "vn" | "vt" | "f" | "fo" | "p" | "l") {
-            words.leave_out_comment();
-            if keyword.starts_with('v') {
-                words.leave_out_slashes();
-            }
-            self.read_numbers(keyword, words)?;
-            let at = words.line;
-            let place = || format!("in line {at}");
-            self.mends.add(mends::COMMA, words.commas, place);
-            let broken = usize::from(words.is_broken);
-            self.mends.add(mends::LINE_BROKEN, broken, place);
-            return Ok(());
+            return self.read_numbers(keyword, words);
         }
         match keyword {
             "usemtl" => {
@@ -167,6 +163,10 @@ impl Reader<'_> {
                 self.polypaint.read(words);
                 Ok(())
             }
+            "call" | "usemap" => {
+                self.leave_out_named(keyword, words);
+                Ok(())
+            }
             _ => {
                 let is_word = keyword.starts_with(|it: char| it.is_alphabetic() || it == '#');
                 let times = usize::from(!is_word && !keyword.starts_with("//"));
@@ -175,68 +175,6 @@ impl Reader<'_> {
                 Ok(())
             }
         }
-    }
-
-    /// Reads a line of numbers. What is no number is NaN, so that later lines keep their numbers.
-    fn read_numbers(&mut self, keyword: &str, words: &mut Words<'_>) -> Result<(), Fault> {
-        let next = |words: &mut Words<'_>| words.any_number().unwrap_or(f64::NAN);
-        match keyword {
-            "v" => self.read_place(words),
-            "vn" => {
-                let normal = [next(words), next(words), next(words)];
-                self.normals.push(normal.map(|along| along as f32));
-            }
-            "vt" => {
-                let (u, v) = (next(words), words.any_number().unwrap_or(0.0));
-                // Here 0 is at the bottom of pictures.
-                let place = [u, 1.0 - v].map(|along| match along.is_finite() {
-                    true => along.clamp(-1e6, 1e6) as f32,
-                    false => f32::NAN,
-                });
-                self.uvs.push(place);
-            }
-            "p" => self.points.read(words, self.places.len()),
-            "l" => {
-                let lines = self.points.read_line(words, self.places.len());
-                count(&mut self.scene.repairs, "lines_left_out", lines);
-            }
-            _ => self.read_face(words)?,
-        }
-        Ok(())
-    }
-
-    /// x, y and z, maybe followed by a weight, which has no meaning here, or by a colour.
-    fn read_place(&mut self, words: &mut Words<'_>) {
-        let mut place = [f64::NAN; 3];
-        for (at, along) in place.iter_mut().enumerate() {
-            match words.any_number() {
-                Some(number) => *along = number,
-                // Drawings have two coordinates.
-                None if at == 2 => {
-                    *along = 0.0;
-                    let line = words.line;
-                    self.mends.add(mends::FLAT, 1, || format!("in line {line}"));
-                }
-                None => {}
-            }
-        }
-        let place = DVec3::from_array(place);
-        let mut more = Vec::new();
-        while let Some(number) = words.any_number() {
-            more.push(number);
-        }
-        let colour = match more.as_slice() {
-            [red, green, blue] | [red, green, blue, _] => {
-                self.colour_depth.add([*red, *green, *blue]);
-                Some([*red as f32, *green as f32, *blue as f32, 1.0])
-            }
-            _ => None,
-        };
-        if colour.is_some() || !self.place_colours.is_empty() {
-            self.place_colours.resize(self.places.len(), UNSAID);
-            self.place_colours.push(colour.unwrap_or(UNSAID));
-        }
-        self.places.push(place);
     }
 
     fn read_face(&mut self, words: &mut Words<'_>) -> Result<(), Fault> {
@@ -508,6 +446,7 @@ impl Reader<'_> {
             self.add_face(material, line)?;
         }
         late.tell(&mut self.mends);
+        self.find_library(name);
         self.find_materials();
         for (repair, times) in std::mem::take(&mut self.library.repairs) {
             count(&mut self.scene.repairs, &repair, times as usize);
@@ -550,8 +489,37 @@ impl Reader<'_> {
             let colours = points::colours(&shown, &self.place_colours, &mut self.mends);
             let place = |it: &u32| self.places[*it as usize];
             let positions: Vec<DVec3> = shown.iter().map(place).collect();
-            let clouds = outliers::clouds(name, &positions, &colours, &mut self.scene);
+            let clouds = outliers::clouds(name, &positions, colours, &mut self.scene);
             self.scene.clouds.extend(clouds);
+        }
+    }
+
+    /// Reads the file of materials next to this one, by its name, where faces name materials and no
+    /// file has any.
+    fn find_library(&mut self, name: &str) {
+        if self.lost_materials.is_empty() || !self.library.materials.is_empty() {
+            return;
+        }
+        let name = format!("{name}.mtl");
+        if self.libraries.contains(&name) {
+            return;
+        }
+        let Ok(bytes) = search::read(self.folder, &[&name]) else {
+            return;
+        };
+        let text = utf8_of(&bytes);
+        if mtl::is_text(&text) && !self.library.read(&text, &name).is_empty() {
+            self.mends.add(mends::LINE_BROKEN, 1, || {
+                format!("in {:?}", shortened(&name))
+            });
+        }
+        if !self.library.materials.is_empty() {
+            count(&mut self.scene.repairs, "files_found_elsewhere", 1);
+            self.scene.remark(format!(
+                "no file of materials is named that exists: {:?}, which lies next to the model, is \
+                 used",
+                shortened(&name)
+            ));
         }
     }
 

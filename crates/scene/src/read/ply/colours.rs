@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::super::colour::{Depth, Full, lighten};
-use super::header::{Element, Property, Scalar};
+use super::super::colour::{Depth, Full, intensities_shown, lighten};
+use super::header::{Element, PlyHeader, Property, Scalar};
 use crate::source::{Repairs, SourceMesh};
 
 /// What the first coefficient of a splat's colour counts for: the spherical harmonic of degree 0.
@@ -54,12 +54,18 @@ fn part(name: &str) -> Option<(usize, bool)> {
     Some(part)
 }
 
+/// What has all parts of a colour in one number.
+const PACKED: [&str; 2] = ["rgb", "rgba"];
 /// What says how much light came back, in lower case.
-const INTENSITIES: [&str; 7] = [
+const INTENSITIES: [&str; 11] = [
     "intensity",
+    "intensities",
     "scalar_intensity",
+    "scalar_intensities",
     "reflectance",
     "scalar_reflectance",
+    "reflectivity",
+    "scalar_reflectivity",
     "gray",
     "grey",
     "luminance",
@@ -108,7 +114,7 @@ impl ColourColumns {
         };
         of_parts(false)
             .or_else(|| of_parts(true))
-            .or_else(|| of_one(&["rgb", "rgba"], Kind::Packed))
+            .or_else(|| of_one(&PACKED, Kind::Packed))
             .or_else(|| of_one(&INTENSITIES, Kind::Intensity))
     }
 
@@ -138,6 +144,29 @@ impl ColourColumns {
     }
 }
 
+/// Gives the colours of vertices, where these have intensities too, names that say nothing;
+/// `false` where nothing else says how light they are.
+pub(super) fn forget_colours(header: &mut PlyHeader) -> bool {
+    let mut elements = header.elements.iter_mut();
+    let Some(vertex) = elements.find(|it| it.name == "vertex") else {
+        return false;
+    };
+    let before = vertex.clone();
+    let is_colour = |name: &str| PACKED.contains(&name) || part(name).is_some();
+    for property in &mut vertex.properties {
+        if let Property::One { name, .. } = property
+            && is_colour(&name.to_ascii_lowercase())
+        {
+            *name = format!("black {name}");
+        }
+    }
+    let has_light = ColourColumns::of(vertex).is_some();
+    if !has_light {
+        *vertex = before;
+    }
+    has_light
+}
+
 /// The colours of rows, as the file has them.
 #[derive(Default)]
 pub(super) struct PlyColours {
@@ -148,6 +177,8 @@ pub(super) struct PlyColours {
     kind: Kind,
     /// The least and most of intensities.
     range: Option<[f64; 2]>,
+    /// Which of them are black and white.
+    shown: Option<[f64; 2]>,
 }
 
 impl PlyColours {
@@ -161,6 +192,13 @@ impl PlyColours {
 
     pub(super) fn len(&self) -> usize {
         self.raw.len()
+    }
+
+    /// Whether all are black.
+    pub(super) fn is_black(&self) -> bool {
+        let is_given = matches!(self.kind, Kind::Parts | Kind::Packed);
+        let mut all = self.raw.iter();
+        is_given && !self.raw.is_empty() && all.all(|it| it[..3] == [0.0; 3])
     }
 
     /// Adds a colour; `false` if it is invalid, and will be white. An alpha below 0 is not said.
@@ -203,13 +241,17 @@ impl PlyColours {
         }
     }
 
-    /// Makes intensities parts of 1: of the most, or where some are below 0 from the least on.
+    /// Makes intensities parts of 1.
     fn spread_intensities(&mut self) {
-        let Some([least, most]) = self.range else {
+        if self.kind != Kind::Intensity {
+            return;
+        }
+        let values = self.raw.iter().map(|it| f64::from(it[0])).collect();
+        let Some([from, to]) = intensities_shown(values) else {
             return;
         };
-        let from = least.min(0.0);
-        let length = (most - from).max(f64::MIN_POSITIVE);
+        self.shown = Some([from, to]);
+        let length = (to - from).max(f64::MIN_POSITIVE);
         for colour in &mut self.raw {
             let light = ((f64::from(colour[0]) - from) / length).clamp(0.0, 1.0) as f32;
             if !colour[0].is_nan() {
@@ -221,9 +263,17 @@ impl PlyColours {
     fn tell(&self, full: &Full, strays: usize, told: &mut Told) {
         if let (Kind::Intensity, Some([least, most])) = (self.kind, self.range) {
             let what = &told.what;
+            let [from, to] = self.shown.unwrap_or([least, most]);
+            let mut cut = String::new();
+            if from > least {
+                cut += &format!("; {from} and less are black");
+            }
+            if to < most {
+                cut += &format!("; {to} and more are white");
+            }
             told.remarks.push(format!(
                 "{what} have no colours, but intensities from {least} to {most}: they are shown as \
-                 grey"
+                 grey{cut}"
             ));
         }
         if self.kind == Kind::Splat {
@@ -344,7 +394,7 @@ impl Scalar {
             Self::U32 => f64::from(u32::MAX),
             Self::I64 => i64::MAX as f64,
             Self::U64 => u64::MAX as f64,
-            Self::F32 | Self::F64 => 1.0,
+            Self::F16 | Self::F32 | Self::F64 => 1.0,
         }
     }
 }

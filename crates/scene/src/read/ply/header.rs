@@ -14,6 +14,7 @@ pub(super) enum Scalar {
     U32,
     I64,
     U64,
+    F16,
     F32,
     F64,
 }
@@ -29,6 +30,7 @@ impl Scalar {
             "uint" | "uint32" => Self::U32,
             "int64" | "long" => Self::I64,
             "uint64" | "ulong" => Self::U64,
+            "half" | "float16" => Self::F16,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
             _ => return None,
@@ -37,13 +39,13 @@ impl Scalar {
     }
 
     pub(super) fn is_whole(self) -> bool {
-        !matches!(self, Self::F32 | Self::F64)
+        !matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
 
     pub(super) fn bytes(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
+            Self::I16 | Self::U16 | Self::F16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
             Self::I64 | Self::U64 | Self::F64 => 8,
         }
@@ -79,6 +81,25 @@ pub(super) enum Encoding {
     Text,
     LittleEndian,
     BigEndian,
+}
+
+/// A whole number, maybe written as `3.0`.
+fn count_of(word: &str) -> Option<u64> {
+    const MOST: f64 = (1_u64 << 53) as f64;
+    let real = || word.parse::<f64>().ok();
+    let whole = || real().filter(|it| it.fract() == 0.0 && (0.0..=MOST).contains(it));
+    word.parse().ok().or_else(|| whole().map(|it| it as u64))
+}
+
+/// The name of an element as the format has it, where it is one that other programs write.
+fn element_of(name: &str) -> String {
+    let usual = match name.to_ascii_lowercase().as_str() {
+        "vertex" | "vertices" | "point" | "points" => "vertex",
+        "face" | "faces" | "triangle" | "triangles" | "polygon" | "polygons" => "face",
+        "tristrips" => "tristrips",
+        _ => name,
+    };
+    usual.to_owned()
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,14 +139,21 @@ impl PlyHeader {
             header.end += line.len();
             header.lines += 1;
             let text = String::from_utf8_lossy(line);
-            let words: Vec<&str> = text.split_ascii_whitespace().collect();
+            let mut words: Vec<&str> = text.split_ascii_whitespace().collect();
+            // Some write them in capitals.
+            let small = words
+                .first()
+                .map_or_else(String::new, |it| it.to_ascii_lowercase());
+            if let Some(first) = words.first_mut() {
+                *first = &small;
+            }
             match words.as_slice() {
                 ["end_header"] if line.ends_with(&[end_of_line]) => {
                     header.encoding = encoding
                         .ok_or_else(|| Fault::at("header", "the line `format` is missing"))?;
                     return Ok(header);
                 }
-                ["format", name, _version] => encoding = Some(header.encoding_of(name)?),
+                ["format", name, ..] => encoding = Some(header.encoding_of(name)?),
                 ["comment", rest @ ..] => {
                     header.has_textures |= rest.first() == Some(&"TextureFile");
                 }
@@ -141,7 +169,7 @@ impl PlyHeader {
     }
 
     fn encoding_of(&self, name: &str) -> Result<Encoding, Fault> {
-        match name {
+        match name.to_ascii_lowercase().as_str() {
             "ascii" => Ok(Encoding::Text),
             "binary_little_endian" => Ok(Encoding::LittleEndian),
             "binary_big_endian" => Ok(Encoding::BigEndian),
@@ -155,8 +183,8 @@ impl PlyHeader {
         let property = match words {
             ["element", name, count] => {
                 self.elements.push(Element {
-                    name: (*name).to_owned(),
-                    count: count.parse().map_err(|_| fault.clone())?,
+                    name: element_of(name),
+                    count: count_of(count).ok_or_else(|| fault.clone())?,
                     properties: Vec::new(),
                 });
                 return Ok(());

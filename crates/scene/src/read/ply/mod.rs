@@ -11,6 +11,7 @@ mod numbers;
 
 use glam::{DAffine3, DVec3};
 
+use super::colour::{BLACK_COLOURS, tell_black};
 use super::error::Fault;
 use super::mends::{self, Mends};
 use super::outliers;
@@ -18,7 +19,7 @@ use super::polygon::Polygons;
 use super::sound::count;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
-use colours::{ColourColumns, PlyColours, Told, colour_triangles};
+use colours::{ColourColumns, PlyColours, Told, colour_triangles, forget_colours};
 use corners::Corners;
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
@@ -38,10 +39,20 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     polygons.fill(&mut reader.mesh, &mut reader.mends);
     let mut scene = SourceScene::default();
     let are_points = reader.is_cloud || reader.has_only_vertices();
+    let is_black = reader.colours.as_ref().is_some_and(PlyColours::is_black);
+    if are_points && is_black && forget_colours(&mut header) {
+        reader = Reader::of(&header, bytes, 0)?;
+        count(
+            &mut scene.repairs,
+            BLACK_COLOURS,
+            reader.mesh.positions.len(),
+        );
+        tell_black(name, true, &mut scene);
+    }
     reader.take_colours(are_points, name, &mut scene);
     if are_points {
         let (positions, colours) = reader.points();
-        scene.clouds = outliers::clouds(name, &positions, &colours, &mut scene);
+        scene.clouds = outliers::clouds(name, &positions, colours, &mut scene);
     } else {
         if reader.mesh.triangles.is_empty() {
             let points = reader.mesh.positions.len();
@@ -205,6 +216,7 @@ impl Reader {
         let all = [
             (mends::WORDS_BEYOND, numbers.too_long),
             (mends::LINE_BROKEN, numbers.broken),
+            (mends::GLUED, numbers.glued),
         ];
         for (mend, lines) in all {
             let place = || format!("in line {}", lines.first);
@@ -223,6 +235,11 @@ impl Reader {
     fn skip(&mut self, element: &Element, numbers: &mut Numbers<'_>) {
         if element.properties.is_empty() {
             return;
+        }
+        if element.name.to_ascii_lowercase().starts_with("edge") {
+            let times = usize::try_from(element.count).unwrap_or(usize::MAX);
+            let place = || format!("is that of the element {:?}", shortened(&element.name));
+            self.mends.add(mends::EDGES_LEFT, times, place);
         }
         for index in 0..element.count {
             numbers.begin_row();
@@ -272,6 +289,9 @@ impl Reader {
             return Err(Fault::at("header", "there are two elements called vertex"));
         }
         let slots = slots_of(element)?;
+        let is_flat = usize::from(!slots.contains(&Some(2)));
+        let place = || "is that of the header".to_owned();
+        self.mends.add(mends::FLAT, is_flat, place);
         let has = |wanted: core::ops::Range<usize>| {
             wanted.into_iter().all(|slot| slots.contains(&Some(slot)))
         };
@@ -508,7 +528,7 @@ fn vertex(said: f64) -> u32 {
     }
 }
 
-/// The slot of each property of a vertex; refused without x, y and z, or with two of one kind.
+/// The slot of each property of a vertex; refused without x and y.
 fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
     let mut slots: Vec<Option<usize>> = Vec::with_capacity(element.properties.len());
     let mut taken = [false; SLOTS];
@@ -524,7 +544,8 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
         }
         slots.push(slot);
     }
-    if taken[..3] == [true; 3] {
+    // Drawings have two coordinates.
+    if taken[..2] == [true; 2] {
         return Ok(slots);
     }
     let is_packed =
@@ -535,7 +556,7 @@ fn slots_of(element: &Element) -> Result<Vec<Option<usize>>, Fault> {
             "export them as a plain PLY file",
         ));
     }
-    Err(Fault::at("header", "a vertex has no x, y and z"))
+    Err(Fault::at("header", "a vertex has no `x` and `y`"))
 }
 
 #[cfg(test)]

@@ -3,7 +3,9 @@
 //! In text a row has a line of its own, where the first row of its element has; else numbers may
 //! stand in any lines.
 
-use super::super::text::number_of;
+use super::super::half::half;
+use super::super::text::glued;
+use super::super::text::numbers::{number_of, plain_number};
 use super::header::{Element, Encoding, PlyHeader, Property, Scalar};
 
 /// Of so many elements it is found out whether rows are lines: the file is looked through for it.
@@ -29,6 +31,13 @@ pub(super) struct Numbers<'a> {
     pub(super) broken: Lines,
     /// Numbers with a decimal comma.
     pub(super) commas: usize,
+    /// Rows with numbers that have no blank between them.
+    pub(super) glued: Lines,
+    /// How many numbers a row of an element without lists has, and where the row begins.
+    columns: Option<usize>,
+    row_at: usize,
+    /// Numbers of a row that were read before their turn, the last first.
+    parted: Vec<f64>,
 }
 
 /// How many lines were mended, and the first.
@@ -60,6 +69,10 @@ impl<'a> Numbers<'a> {
             too_long: Lines::default(),
             broken: Lines::default(),
             commas: 0,
+            glued: Lines::default(),
+            columns: None,
+            row_at: 0,
+            parted: Vec::new(),
         }
     }
 
@@ -97,7 +110,13 @@ impl<'a> Numbers<'a> {
             };
             needed = needed.saturating_add(length);
         }
-        let found = said.count();
+        let has_lists = |it: &Property| matches!(it, Property::List { .. });
+        let lists = element.properties.iter().any(has_lists);
+        self.columns = (!lists).then_some(needed);
+        let mut found = said.clone().count();
+        if !lists && glued::numbers(said, |count| count == needed).is_some() {
+            found = needed;
+        }
         // More words are more of the row, unless several rows share a line.
         self.has_lines = found == needed || found > needed && self.lines_reach(element.count);
     }
@@ -134,6 +153,7 @@ impl<'a> Numbers<'a> {
             self.skip_blank();
         }
         self.is_begun = true;
+        self.row_at = self.at;
     }
 
     /// Ends the rows of an element.
@@ -146,6 +166,7 @@ impl<'a> Numbers<'a> {
 
     /// Leaves out what is left of a row.
     fn leave_row(&mut self) {
+        self.parted.clear();
         let rest = &self.bytes[self.at..];
         let rest = &rest[..end_of_line(rest)];
         if self.is_begun && !rest.trim_ascii().is_empty() {
@@ -182,19 +203,45 @@ impl<'a> Numbers<'a> {
     /// the end of the file.
     pub(super) fn number(&mut self, scalar: Scalar) -> Option<f64> {
         match self.encoding {
-            Encoding::Text => {
-                let Some(word) = self.next_word() else {
-                    let is_short = self.has_lines && self.left() > 0;
-                    return is_short.then_some(f64::NAN);
-                };
-                Some(number_of(word, &mut self.commas).unwrap_or(f64::NAN))
-            }
+            Encoding::Text => self.next_of_text(),
             Encoding::LittleEndian => self.next_bytes(scalar).map(|bytes| value(scalar, bytes)),
             Encoding::BigEndian => self.next_bytes(scalar).map(|mut bytes| {
                 bytes[..scalar.bytes()].reverse();
                 value(scalar, bytes)
             }),
         }
+    }
+
+    fn next_of_text(&mut self) -> Option<f64> {
+        if let Some(number) = self.parted.pop() {
+            return Some(number);
+        }
+        self.leave_blank();
+        if let Some((number, length)) = plain_number(&self.bytes[self.at..]) {
+            self.at += length;
+            return Some(number);
+        }
+        let begin = self.at;
+        let Some(word) = self.next_word() else {
+            let is_short = self.has_lines && self.left() > 0;
+            return is_short.then_some(f64::NAN);
+        };
+        let number = number_of(word, &mut self.commas);
+        number.or_else(|| self.part(begin)).or(Some(f64::NAN))
+    }
+
+    /// The number at `begin` of a row whose numbers have no blanks between some of them; the others
+    /// from there on wait for their turn.
+    fn part(&mut self, begin: usize) -> Option<f64> {
+        let columns = self.columns.filter(|_| self.has_lines)?;
+        let before = core::str::from_utf8(&self.bytes[self.row_at..begin]).ok()?;
+        let before = before.split_ascii_whitespace().count();
+        let all = glued::numbers(self.words(self.row_at), |count| count == columns)?;
+        self.glued.add(self.line);
+        self.at = begin + end_of_line(&self.bytes[begin..]);
+        self.parted = all.into_iter().skip(before).collect();
+        self.parted.reverse();
+        self.parted.pop()
     }
 
     /// The next number, into which parts of a colour are packed, as a whole one: that of its bits
@@ -275,7 +322,8 @@ impl<'a> Numbers<'a> {
         self.at += blanks;
     }
 
-    fn next_word(&mut self) -> Option<&'a str> {
+    /// Goes on to the next word, which stands in this line where rows have lines of their own.
+    fn leave_blank(&mut self) {
         match self.has_lines {
             true => {
                 let rest = &self.bytes[self.at..];
@@ -284,6 +332,10 @@ impl<'a> Numbers<'a> {
             }
             false => self.skip_blank(),
         }
+    }
+
+    fn next_word(&mut self) -> Option<&'a str> {
+        self.leave_blank();
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(u8::is_ascii_whitespace);
         let word = &rest[..length.unwrap_or(rest.len())];
@@ -326,6 +378,7 @@ fn value(scalar: Scalar, bytes: [u8; 8]) -> f64 {
         Scalar::U32 => f64::from(u32::from_le_bytes([a, b, c, d])),
         Scalar::I64 => i64::from_le_bytes(bytes) as f64,
         Scalar::U64 => u64::from_le_bytes(bytes) as f64,
+        Scalar::F16 => half(u16::from_le_bytes([a, b])),
         Scalar::F32 => f64::from(f32::from_le_bytes([a, b, c, d])),
         Scalar::F64 => f64::from_le_bytes(bytes),
     }

@@ -155,7 +155,7 @@ fn counts_beyond_the_file_take_no_time() {
         assert_eq!(scene(&text(&elements, "0 0 0\n")).clouds[0].places.len(), 1);
     }
     let rowless = text("element vertex 18446744073709551615\nelement face 9", "");
-    assert!(refusal(&rowless).contains("no x, y and z"));
+    assert!(refusal(&rowless).contains("no `x` and `y`"));
     let rowless = format!("element vertex 1\n{XYZ}\nelement face 18446744073709551615");
     assert!(!read_anything(SceneFormat::Ply, &text(&rowless, "0 0 0\n")));
     let elements = format!("element vertex 1\n{XYZ}\nelement face 1\n{FACE}");
@@ -261,8 +261,8 @@ fn headers_without_meaning_are_refused_by_line() {
     for (elements, what) in [
         ("element vertex x", "line 3"),
         ("property float x", "line 3"),
-        ("element vertex 1\nproperty half x", "line 4"),
-        ("element vertex 1\nproperty float x", "no x, y and z"),
+        ("element vertex 1\nproperty quarter x", "line 4"),
+        ("element vertex 1\nproperty float x", "no `x` and `y`"),
         (
             &format!("element vertex 1\n{XYZ}\nproperty float w\nelement vertex 1\n{XYZ}"),
             "two",

@@ -1,41 +1,46 @@
 //! What stands in a line of a text file?
 
+pub(in crate::read) mod glued;
+pub(in crate::read) mod numbers;
+
 use std::borrow::Cow;
 
 use super::error::Fault;
 use foveal_core::units::one_line;
+use memchr::memchr2;
+use numbers::{number_of, plain_number};
 
 /// A line and its number, counted from 1.
-pub(super) struct Line<'a> {
-    pub(super) number: usize,
-    pub(super) text: Cow<'a, str>,
+pub(in crate::read) struct Line<'a> {
+    pub(in crate::read) number: usize,
+    pub(in crate::read) text: Cow<'a, str>,
 }
 
 /// The lines of a file, which end in LF, CR or both.
-pub(super) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
-    let mut rest = Some(bytes);
+pub(in crate::read) fn single_lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    // Looked through once, not line by line.
+    let whole = core::str::from_utf8(bytes).ok();
+    let mut at = Some(0);
     let mut number = 0;
     std::iter::from_fn(move || {
-        let left = rest?;
+        let begin = at?;
         number += 1;
-        let end = left.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-        let Some(end) = end else {
-            rest = None;
-            let text = text_of(left);
-            return Some(Line { number, text });
-        };
-        let behind = match left[end..] {
+        let end = memchr2(b'\n', b'\r', &bytes[begin..]).map(|it| begin + it);
+        at = end.map(|end| match bytes[end..] {
             [b'\r', b'\n', ..] => end + 2,
             _ => end + 1,
+        });
+        let line = begin..end.unwrap_or(bytes.len());
+        let text = match whole {
+            Some(whole) => Cow::Borrowed(&whole[line]),
+            None => text_of(&bytes[line]),
         };
-        rest = Some(&left[behind..]);
-        let text = text_of(&left[..end]);
         Some(Line { number, text })
     })
 }
 
 /// The same; a backslash at the end of one goes on in the next, unless it is a comment or a name.
-pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+pub(in crate::read) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     let mut rest = single_lines(bytes);
     std::iter::from_fn(move || {
         let mut line = rest.next()?;
@@ -66,7 +71,7 @@ fn text_of(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// The bytes of a text in UTF-8 without a mark at its start, whether they were so or UTF-16.
-pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
+pub(in crate::read) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
     let is_sign = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
     let of_pair: fn([u8; 2]) -> u16 = match bytes {
         [0xef, 0xbb, 0xbf, text @ ..] => return Cow::Borrowed(text),
@@ -84,27 +89,30 @@ pub(super) fn utf8_of(bytes: &[u8]) -> Cow<'_, [u8]> {
 
 /// The words of a line, read as what they should be.
 #[derive(Clone)]
-pub(super) struct Words<'a> {
-    pub(super) line: usize,
+pub(in crate::read) struct Words<'a> {
+    pub(in crate::read) line: usize,
     rest: &'a str,
     /// How many numbers had a decimal comma.
-    pub(super) commas: usize,
+    pub(in crate::read) commas: usize,
+    /// How many numbers had no blank before them.
+    pub(in crate::read) glued: usize,
     /// Whether a word should have been a number, and was not.
-    pub(super) is_broken: bool,
+    pub(in crate::read) is_broken: bool,
 }
 
 impl<'a> Words<'a> {
-    pub(super) fn of(line: &'a Line<'_>) -> Self {
+    pub(in crate::read) fn of(line: &'a Line<'_>) -> Self {
         Self {
             line: line.number,
             rest: &line.text,
             commas: 0,
+            glued: 0,
             is_broken: false,
         }
     }
 
     /// The next word.
-    pub(super) fn next(&mut self) -> Option<&'a str> {
+    pub(in crate::read) fn next(&mut self) -> Option<&'a str> {
         let [begin, end] = self.first();
         let word = &self.rest[begin..end];
         self.rest = &self.rest[end..];
@@ -112,7 +120,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word, or none, without taking it.
-    pub(super) fn peek(&self) -> &'a str {
+    pub(in crate::read) fn peek(&self) -> &'a str {
         let [begin, end] = self.first();
         &self.rest[begin..end]
     }
@@ -127,19 +135,19 @@ impl<'a> Words<'a> {
     }
 
     /// All that is left of the line, without blanks at both ends.
-    pub(super) fn rest(&self) -> String {
+    pub(in crate::read) fn rest(&self) -> String {
         let words: Vec<&str> = self.rest.split_ascii_whitespace().collect();
         words.join(" ")
     }
 
     /// The same, with blanks as they are.
-    pub(super) fn rest_as_it_is(&self) -> &'a str {
+    pub(in crate::read) fn rest_as_it_is(&self) -> &'a str {
         self.rest.trim_ascii()
     }
 
     /// Leaves out a comment at the end of the line: from a `#` on that is not within a number, such
     /// as `1.#QNAN`.
-    pub(super) fn leave_out_comment(&mut self) {
+    pub(in crate::read) fn leave_out_comment(&mut self) {
         if !self.rest.as_bytes().contains(&b'#') {
             return;
         }
@@ -150,15 +158,88 @@ impl<'a> Words<'a> {
     }
 
     /// The same for a comment that begins with `//`, in lines whose numbers have no slash.
-    pub(super) fn leave_out_slashes(&mut self) {
+    pub(in crate::read) fn leave_out_slashes(&mut self) {
         let slash = self.rest.as_bytes().iter().position(|it| *it == b'/');
         if let Some(at) = slash.filter(|at| self.rest[*at..].starts_with("//")) {
             self.rest = &self.rest[..at];
         }
     }
 
+    /// The numbers up to the end of the line or a comment. Where some have no blank between them,
+    /// they are parted if they are then as many as `fits` asks for.
+    pub(in crate::read) fn row(&mut self, fits: impl Fn(usize) -> bool) -> LineNumbers {
+        let mut row = LineNumbers::default();
+        let mut has_comment = true;
+        loop {
+            while let Some(number) = self.plain() {
+                row.push(number);
+            }
+            if self.rest.is_empty() {
+                return row;
+            }
+            if has_comment {
+                self.leave_out_comment();
+                self.leave_out_slashes();
+                has_comment = false;
+            }
+            let before = self.rest;
+            let was_broken = self.is_broken;
+            let Some(number) = self.any_number() else {
+                return row;
+            };
+            if !was_broken && self.is_broken {
+                let words = before.split_ascii_whitespace();
+                let found = glued::numbers(words, |more| fits(row.count + more));
+                if let Some(found) = found {
+                    self.glued += 1;
+                    self.is_broken = false;
+                    self.rest = "";
+                    found.into_iter().for_each(|it| row.push(it));
+                    return row;
+                }
+            }
+            row.push(number);
+        }
+    }
+
+    /// The next three numbers, behind which other words may stand; NaN for each that is not one.
+    /// Where some have no blank between them, as of [`Self::row`].
+    pub(in crate::read) fn three(&mut self) -> [f64; 3] {
+        let before = self.clone();
+        let mut next = || self.any_number().unwrap_or(f64::NAN);
+        let three = [next(), next(), next()];
+        if before.is_broken || !self.is_broken {
+            return three;
+        }
+        let is_begin = |it: char| it.is_ascii_digit() || matches!(it, '+' | '-' | '.');
+        let words = before.rest.split_ascii_whitespace();
+        let words = words.take_while(|it| it.starts_with(is_begin)).take(3);
+        let Some(found) = glued::numbers(words.clone(), |count| count == 3) else {
+            return three;
+        };
+        let taken = words.count();
+        *self = before;
+        for _ in 0..taken {
+            self.next();
+        }
+        self.glued += 1;
+        [found[0], found[1], found[2]]
+    }
+
+    /// The next word where it is a number in its plainest form, as nearly all are.
+    fn plain(&mut self) -> Option<f64> {
+        let bytes = self.rest.as_bytes();
+        let begin = bytes.iter().position(|byte| !byte.is_ascii_whitespace())?;
+        let (number, length) = plain_number(&bytes[begin..])?;
+        self.rest = &self.rest[begin + length..];
+        Some(number)
+    }
+
     /// The next word as a number; NaN where it is not a number.
-    pub(super) fn any_number(&mut self) -> Option<f64> {
+    pub(in crate::read) fn any_number(&mut self) -> Option<f64> {
+        if let Some(number) = self.plain() {
+            return Some(number);
+        }
         let word = self.next()?;
         let number = number_of(word, &mut self.commas);
         self.is_broken |= number.is_none();
@@ -166,7 +247,7 @@ impl<'a> Words<'a> {
     }
 
     /// The next word as a finite number, if there is one; `what` names it in the error.
-    pub(super) fn number_if_any(&mut self, what: &str) -> Result<Option<f64>, Fault> {
+    pub(in crate::read) fn number_if_any(&mut self, what: &str) -> Result<Option<f64>, Fault> {
         let Some(word) = self.next() else {
             return Ok(None);
         };
@@ -181,45 +262,44 @@ impl<'a> Words<'a> {
     }
 
     /// The next word as a finite number.
-    pub(super) fn number(&mut self, what: &str) -> Result<f64, Fault> {
+    pub(in crate::read) fn number(&mut self, what: &str) -> Result<f64, Fault> {
         self.number_if_any(what)?
             .ok_or_else(|| Fault::line(self.line, format!("{what} is missing")))
     }
 }
 
-/// The number that a word is, maybe NaN or infinity, as any program writes it: also as C does on
-/// Windows, as Fortran, and with a decimal comma, which is counted. `None` if it is not.
-pub(super) fn number_of(word: &str, commas: &mut usize) -> Option<f64> {
-    if let Ok(number) = word.parse() {
-        return Some(number);
+/// The first numbers of a line.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::read) struct LineNumbers {
+    values: [f64; MOST_OF_ROW],
+    /// How many there are, beyond those that are kept too.
+    pub(in crate::read) count: usize,
+}
+
+/// More have no meaning in any line.
+const MOST_OF_ROW: usize = 8;
+
+impl LineNumbers {
+    fn push(&mut self, number: f64) {
+        if let Some(value) = self.values.get_mut(self.count) {
+            *value = number;
+        }
+        self.count += 1;
     }
-    let small = word.to_ascii_lowercase();
-    let bare = small.trim_start_matches(['+', '-']);
-    let [is_nan, is_infinite] = [
-        &["nan", "1.#qnan", "1.#snan", "1.#ind"][..],
-        &["inf", "1.#inf", "1.#j"],
-    ]
-    .map(|names| names.iter().any(|name| bare.starts_with(name)));
-    if is_nan {
-        return Some(f64::NAN);
+
+    /// Its number at a place; none where it has fewer.
+    pub(in crate::read) fn get(&self, at: usize) -> Option<f64> {
+        self.values[..self.count.min(MOST_OF_ROW)].get(at).copied()
     }
-    if is_infinite {
-        return Some(f64::INFINITY);
+
+    /// The same; NaN where it has fewer.
+    pub(in crate::read) fn at(&self, at: usize) -> f64 {
+        self.get(at).unwrap_or(f64::NAN)
     }
-    if let Some((whole, part)) = small.split_once(',') {
-        // A comma behind a number parts it from the next.
-        let number = match part {
-            "" => return whole.parse().ok(),
-            _ => format!("{whole}.{part}").parse().ok(),
-        };
-        *commas += usize::from(number.is_some());
-        return number;
-    }
-    small.replace('d', "e").parse().ok()
 }
 
 /// The start of a word, for a message.
-pub(super) fn shortened(word: &str) -> String {
+pub(in crate::read) fn shortened(word: &str) -> String {
     one_line(&word.chars().take(40).collect::<String>())
 }
 
@@ -279,31 +359,5 @@ mod tests {
         words.leave_out_comment();
         assert!(words.any_number().is_some_and(f64::is_nan));
         assert_eq!((words.any_number(), words.any_number()), (Some(2.0), None));
-    }
-
-    #[test]
-    fn numbers_are_read_however_they_are_written() {
-        let mut commas = 0;
-        for (word, number) in [
-            ("-1.5e3", -1500.0),
-            ("+.5", 0.5),
-            ("5.", 5.0),
-            ("1.0e+003", 1000.0),
-            ("1.5D+02", 150.0),
-            ("2,", 2.0),
-            ("-0,25", -0.25),
-        ] {
-            assert_eq!(number_of(word, &mut commas), Some(number), "{word}");
-        }
-        assert_eq!(commas, 1);
-        for word in ["nan", "-nan(ind)", "1.#QNAN", "-1.#IND00", "NaN"] {
-            assert!(number_of(word, &mut commas).is_some_and(f64::is_nan));
-        }
-        for word in ["inf", "-Infinity", "1e999", "1.#INF", "-1.#J"] {
-            assert!(number_of(word, &mut commas).is_some_and(f64::is_infinite));
-        }
-        for word in ["x", "", "1,2,3", "--", "d"] {
-            assert_eq!(number_of(word, &mut commas), None, "{word}");
-        }
     }
 }
