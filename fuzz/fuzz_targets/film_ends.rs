@@ -5,12 +5,12 @@
 
 use std::io::Cursor;
 
-use foveal_media::read::film::animation_end::why_cut;
-use foveal_media::read::film::behind_end::second_film;
+use foveal_media::read::film::ends::animation_end::why_cut;
+use foveal_media::read::film::ends::behind_end::second_film;
 use foveal_media::read::film::clusters::clusters;
-use foveal_media::read::film::corrections::corrections;
-use foveal_media::read::film::cut_short::read_any_end;
-use foveal_media::read::film::mp4_says::notes;
+use foveal_media::read::film::corrected::corrections::corrections;
+use foveal_media::read::film::ends::cut_short::read_any_end;
+use foveal_media::read::film::corrected::mp4_says::notes;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

@@ -8,6 +8,7 @@ use ffmpeg_next as av;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 
 use crate::read::convert::{Converter, Layout};
+use crate::read::frame::has_alpha;
 use crate::read::frame::{is_420, new_frame, picture_from_frame, rows_run_down};
 use crate::read::light::Lighting;
 use crate::read::orientation::Orientation;
@@ -276,29 +277,6 @@ fn has_palette(format: Pixel) -> bool {
 
 fn is_grey(format: Pixel) -> bool {
     format.descriptor().is_some_and(|d| d.nb_components() <= 2) && !is_rgb(format)
-}
-
-/// Whether a frame has an alpha plane or channel (grey or colour plus one), or a palette that is
-/// not opaque.
-pub(crate) fn has_alpha(frame: &Video) -> bool {
-    let format = frame.format();
-    let components = format.descriptor().map_or(0, |d| d.nb_components());
-    matches!(components, 2 | 4) || format == Pixel::PAL8 && !is_opaque_palette(frame)
-}
-
-#[allow(unsafe_code)] // A palette has no line size, from which ffmpeg-next computes lengths.
-fn is_opaque_palette(frame: &Video) -> bool {
-    // SAFETY: the second plane of a frame with a palette, where there is one, is its 256 entries of
-    // four bytes, alpha in the highest of each.
-    let entries = unsafe {
-        let palette = (*frame.as_ptr()).data[1].cast_const();
-        if palette.is_null() {
-            return true;
-        }
-        std::slice::from_raw_parts(palette, 4 * 256)
-    };
-    let alpha = if cfg!(target_endian = "big") { 0 } else { 3 };
-    entries.chunks_exact(4).all(|entry| entry[alpha] == 255)
 }
 
 #[allow(unsafe_code)] // The descriptor's flags have no safe call.

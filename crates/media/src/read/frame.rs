@@ -16,6 +16,29 @@ pub(crate) fn new_frame(format: Pixel, [width, height]: [u32; 2]) -> Result<Vide
     Ok(frame)
 }
 
+/// Whether a frame has an alpha plane or channel (grey or colour plus one), or a palette that is
+/// not opaque.
+pub(crate) fn has_alpha(frame: &Video) -> bool {
+    let format = frame.format();
+    let components = format.descriptor().map_or(0, |d| d.nb_components());
+    matches!(components, 2 | 4) || format == Pixel::PAL8 && !is_opaque_palette(frame)
+}
+
+#[allow(unsafe_code)] // A palette has no line size, from which ffmpeg-next computes lengths.
+fn is_opaque_palette(frame: &Video) -> bool {
+    // SAFETY: the second plane of a frame with a palette, where there is one, is its 256 entries of
+    // four bytes, alpha in the highest of each.
+    let entries = unsafe {
+        let palette = (*frame.as_ptr()).data[1].cast_const();
+        if palette.is_null() {
+            return true;
+        }
+        std::slice::from_raw_parts(palette, 4 * 256)
+    };
+    let alpha = if cfg!(target_endian = "big") { 0 } else { 3 };
+    entries.chunks_exact(4).all(|entry| entry[alpha] == 255)
+}
+
 /// The picture as a frame of `format`, which must be one of the two 8-bit 4:2:0 formats.
 pub(crate) fn frame_from_picture(picture: &Picture, format: Pixel) -> Result<Video, String> {
     assert!(is_420(format), "a picture is 8-bit 4:2:0, not {format:?}");

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
+use crate::read::film::ends::other_file::other_file;
 use crate::read::film::mended::Mended;
-use crate::read::film::other_file::other_file;
 use crate::read::film::stream_input::StreamInput;
 use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::source::SourceInfo;

@@ -9,8 +9,7 @@ use av::frame::Video;
 use ffmpeg_next as av;
 
 use crate::read::convert::{Converter, Layout};
-use crate::read::deliver::has_alpha;
-use crate::read::frame::new_frame;
+use crate::read::frame::{has_alpha, new_frame};
 
 /// Largest value of a sample of 16 bits.
 const FULL: f64 = 65_535.0;

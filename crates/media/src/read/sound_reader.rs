@@ -10,8 +10,8 @@ use ffmpeg_next as av;
 use foveal_core::content::video::bytes::sound::SOUND_RATE;
 
 use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
-use crate::read::film::corrected_file::CorrectedFile;
-use crate::read::film::joints::Joints;
+use crate::read::film::corrected::file::CorrectedFile;
+use crate::read::film::ends::joints::Joints;
 use crate::read::film::opening::{open_input, read_packet};
 
 /// What comes out: floating point, interleaved.

@@ -136,7 +136,7 @@ impl ImportArgs {
             (false, true) if is_foreign(&self.file) => Ok(()),
             (false, true) if self.file.is_dir() => bail!(WrongUsage(format!(
                 "{name}: is a folder; give the file in it that describes the panels: an .mpcdi, \
-                 or an .xml with its maps beside it, or a warp mesh in .data, .mesh, .txt or .csv"
+                 or an .xml with its maps next to it, or a warp mesh in .data, .mesh, .txt or .csv"
             ))),
             (false, true) => bail!(WrongUsage(format!(
                 "{name}: is not an MPCDI, warp mesh or wall by its ending; give one that ends in \

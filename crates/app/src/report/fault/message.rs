@@ -72,24 +72,10 @@ fn links(error: &anyhow::Error, said: fn(&&Cause) -> String) -> Vec<String> {
     links
 }
 
-/// A text without the numbers of errors of the system, whose words stand before them.
-fn without_numbers(text: String) -> String {
-    const BEGIN: &str = " (os error ";
-    let Some((first, rest)) = text.split_once(BEGIN) else {
-        return text;
-    };
-    let mut short = first.to_owned();
-    for part in rest.split(BEGIN) {
-        let behind = part.trim_start_matches(|it: char| it.is_ascii_digit());
-        short.push_str(behind.strip_prefix(')').unwrap_or(behind));
-    }
-    short
-}
-
 /// What a cause says, with the drawing of the place that is wrong in a TOML file. Keys that it
 /// quotes may hold line ends, which are no lines of the message.
 fn drawn(cause: &&Cause) -> String {
-    let text = without_numbers(cause.to_string());
+    let text = cause.to_string();
     let quoted = cause
         .downcast_ref::<toml::de::Error>()
         .map(|it| it.message());
@@ -101,7 +87,7 @@ fn drawn(cause: &&Cause) -> String {
 
 /// What a cause says, without the drawing of the place that is wrong in a TOML file.
 fn in_a_line(cause: &&Cause) -> String {
-    let text = without_numbers(cause.to_string());
+    let text = cause.to_string();
     match cause.downcast_ref::<toml::de::Error>() {
         Some(wrong) => {
             let place = text.lines().next().unwrap_or_default();

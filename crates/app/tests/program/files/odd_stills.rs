@@ -286,9 +286,7 @@ fn samples_that_count_light_are_shown_as_bright_as_they_are_meant() {
     };
     let floats = [0.5f32.to_le_bytes(); 32 * 32 * 3].concat();
     let pfm = [&b"PF\n32 32\n-1.0\n"[..], &floats].concat();
-    let linear = 100_000u32.to_be_bytes();
-    let mac = 55_556u32.to_be_bytes();
-    let usual = 45_455u32.to_be_bytes();
+    let [linear, mac, usual] = [100_000u32, 55_556, 45_455].map(u32::to_be_bytes);
     for (name, file, code, word) in [
         ("a.hdr", hdr(128, 128), 188, "linear"),
         (

@@ -8,7 +8,7 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::plain_file::open_plain;
-use crate::read::film::cut_short::{EBML, SEGMENT};
+use crate::read::film::ends::cut_short::{EBML, SEGMENT};
 
 const CLUSTER: u64 = 0x1F43_B675;
 const CHECKSUM: u64 = 0xBF;

@@ -6,8 +6,8 @@ use av::decoder;
 use av::format::context::Input;
 use ffmpeg_next as av;
 
-use crate::read::film::behind_end::behind_end;
-use crate::read::film::mp4_says;
+use crate::read::film::corrected::mp4_says;
+use crate::read::film::ends::behind_end::behind_end;
 use crate::read::film::track_choice::others_note;
 use crate::read::source;
 

@@ -14,8 +14,8 @@ use av::format::context::Input;
 use ffmpeg_next as av;
 
 use crate::plain_file::first_bytes;
-use crate::read::film::corrected_file::CorrectedFile;
-use crate::read::film::corrections::Corrections;
+use crate::read::film::corrected::corrections::corrections_of;
+use crate::read::film::corrected::file::CorrectedFile;
 use crate::read::film::damage_log::DamageLog;
 
 /// Most bytes that are read for a packet, or to open a file. FFmpeg keeps them four times over.
@@ -140,11 +140,11 @@ fn format_of(path: &Path) -> *const ffi::AVInputFormat {
 }
 
 /// Opens a file and finds its streams, with what is wrong in its head corrected. The log, if there
-/// is one, hears what is reported meanwhile and later, and must outlive it. The error says why it is
-/// not opened.
+/// is one, hears what is reported meanwhile and later, and must outlive it. The error says why it
+/// is not opened.
 #[allow(unsafe_code)] // ffmpeg-next takes options or an interruption, not both.
 pub(crate) fn open_input(path: &Path, log: Option<&DamageLog>) -> Result<OpenFile, String> {
-    let corrections = Corrections::of(path);
+    let corrections = corrections_of(path);
     let told = corrections.told.clone();
     let corrected = match corrections.is_empty() {
         true => None,

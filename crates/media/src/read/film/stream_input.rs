@@ -12,12 +12,13 @@ use foveal_core::view::picture::Picture;
 
 use crate::error::MediaError;
 use crate::read::convert::{Converter, Layout};
-use crate::read::deliver::{FrameConversion, has_alpha};
+use crate::read::deliver::FrameConversion;
 use crate::read::film::film_notes::FilmNotes;
 use crate::read::film::frame_reader::{Break, FrameReader};
 use crate::read::film::frames::Frames;
 use crate::read::film::mended::Mended;
 use crate::read::film::timeline::FileTimeline;
+use crate::read::frame::has_alpha;
 use crate::read::frame::{frame_from_picture, picture_from_frame};
 use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::orientation::Orientation;

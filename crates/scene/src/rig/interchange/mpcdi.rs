@@ -384,6 +384,14 @@ impl<'a> MpcdiDocument<'a> {
     }
 }
 
+fn count_of_pixels(element: XmlElement<'_>, name: &str, pixels: f64) -> Result<u32, RigFault> {
+    let whole = pixels.round();
+    if (pixels - whole).abs() > ROUNDED || !(1.0..=1e6).contains(&whole) {
+        return Err(element.fault(name, format!("{pixels} is not a count of pixels")));
+    }
+    Ok(whole as u32)
+}
+
 impl<'a> MpcdiRegion<'a> {
     fn of(
         buffer: XmlElement<'a>,
@@ -422,11 +430,7 @@ impl<'a> MpcdiRegion<'a> {
                     "neither it nor its buffer says how many pixels there are",
                 )
             })?;
-            let whole = pixels.round();
-            if (pixels - whole).abs() > ROUNDED || !(1.0..=1e6).contains(&whole) {
-                return Err(element.fault(name, format!("{pixels} is not a count of pixels")));
-            }
-            size[k] = whole as u32;
+            size[k] = count_of_pixels(element, name, pixels)?;
         }
         // A buffer without pixels is no picture: each region is a display by itself.
         let picture = whole[0].zip(whole[1]);

@@ -269,8 +269,11 @@ impl TargetSelector {
             true => JUDGED_BOUNDS,
             false => BOUNDS,
         };
+        // What stays finer than a bound needs counts too where the expectation is that exact.
+        let before = self.before.as_ref().filter(|_| is_measured);
+        let before = before.map(|before| before.needed.covered(&self.grid));
         let step = self.nearest((2 * bounds, is_measured), |step| {
-            let mut levels = self.bounded(losses, bound(step), None);
+            let mut levels = self.bounded(losses, bound(step), before.as_ref());
             let _ = levels.cover(&self.grid);
             let expected = scale.expected(Expectation::ByLoss, &losses.of(&levels));
             expected.for_target()

@@ -9,7 +9,7 @@ use std::path::Path;
 use foveal_core::units::counted;
 
 use crate::plain_file::open_plain;
-use crate::read::film::corrections::Corrections;
+use crate::read::film::corrected::bytes::Corrections;
 use crate::surround::spherical_boxes::{Boxes, Found};
 
 /// Frames a second where no length says how many there are.
@@ -187,7 +187,7 @@ pub(crate) fn how_to_join(segment: &Path) -> String {
     let segment = name(segment);
     match inits.iter().find(|it| **it != segment) {
         Some(init) => format!(
-            "its init segment may be {init} beside it; join them with `cat {init} {segment} > \
+            "its init segment may be {init} next to it; join them with `cat {init} {segment} > \
              whole.mp4`"
         ),
         None => format!(

@@ -5,8 +5,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::plain_file::{first_bytes, open_plain};
-use crate::read::film::animation_end::gif_sizes;
-use crate::read::film::mp4_says::times_of_zero;
+use crate::read::film::corrected::bytes::Corrections;
+use crate::read::film::corrected::mp4_says::times_of_zero;
+use crate::read::film::ends::animation_end::gif_sizes;
 
 /// Most sides of a GIF.
 const MOST_SIDE: u32 = u16::MAX as u32;
@@ -16,45 +17,16 @@ const RIFF_LENGTH: u64 = 4;
 /// Most parts of a WebP.
 const MOST_PARTS: u32 = 4096;
 
-/// Bytes that replace those of a file, and what was wrong.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Corrections {
-    /// Where they stand in the file, and what they are to be.
-    pub(super) bytes: Vec<(u64, Vec<u8>)>,
-    /// In words, for people.
-    pub(crate) told: Vec<String>,
-}
-
-impl Corrections {
-    /// Of the file at `path`; none where it cannot be read.
-    pub(crate) fn of(path: &Path) -> Self {
-        let Ok((mut file, _)) = open_plain(path) else {
-            return Self::default();
-        };
-        // A GIF is read through; of others a few words here and there are.
-        let is_gif = first_bytes(path, 4).is_ok_and(|it| it == b"GIF8");
-        match is_gif {
-            true => corrections(&mut BufReader::new(file)),
-            false => corrections(&mut file),
-        }
-    }
-
-    /// Whether there are none.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.bytes.is_empty()
-    }
-
-    /// Corrects bytes that stand at a place in the file.
-    pub(super) fn correct(&self, at: u64, bytes: &mut [u8]) {
-        let end = at + bytes.len() as u64;
-        for (place, right) in &self.bytes {
-            for (place, byte) in (*place..)
-                .zip(right)
-                .filter(|(it, _)| (at..end).contains(it))
-            {
-                bytes[(place - at) as usize] = *byte;
-            }
-        }
+/// Those of the file at `path`; none where it cannot be read.
+pub(crate) fn corrections_of(path: &Path) -> Corrections {
+    let Ok((mut file, _)) = open_plain(path) else {
+        return Corrections::default();
+    };
+    // A GIF is read through; of others a few words here and there are.
+    let is_gif = first_bytes(path, 4).is_ok_and(|it| it == b"GIF8");
+    match is_gif {
+        true => corrections(&mut BufReader::new(file)),
+        false => corrections(&mut file),
     }
 }
 

@@ -12,7 +12,7 @@ use av::{Packet, ffi};
 use ffmpeg_next as av;
 
 use crate::plain_file::{first_bytes, last_bytes, open_plain};
-use crate::read::film::animation_end::cut_animation;
+use crate::read::film::ends::animation_end::cut_animation;
 
 /// Identifiers of the two elements that every Matroska file begins with (RFC 8794, RFC 9559).
 pub(crate) const EBML: u64 = 0x1A45_DFA3;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::MediaError;
 use crate::plain_file::first_bytes;
-use crate::read::film::mp4_says::{Lacks, how_to_join};
+use crate::read::film::corrected::mp4_says::{Lacks, how_to_join};
 
 /// Bytes at the beginning that tell.
 const HEAD: u64 = 512;

@@ -39,7 +39,7 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
 }
 
 /// Columns and rows of a GIF's screen, and those that its pictures reach; none of another file.
-pub(super) fn gif_sizes(file: &mut (impl Read + Seek)) -> Option<[[u32; 2]; 2]> {
+pub(crate) fn gif_sizes(file: &mut (impl Read + Seek)) -> Option<[[u32; 2]; 2]> {
     let end = file.seek(SeekFrom::End(0)).ok()?;
     file.seek(SeekFrom::Start(0)).ok()?;
     let mut head = [0; 10];
@@ -104,7 +104,7 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
 
 /// Goes through a GIF from the flags of its screen on, up to its end mark or the end of the file
 /// between two pictures; none where it ends within one, false where something is no part of one.
-/// Tells the left edge, upper edge, width and height of each picture.
+/// Reports the left edge, upper edge, width and height of each picture.
 fn gif(file: &mut (impl Read + Seek), end: u64, tell: &mut dyn FnMut([u32; 4])) -> Option<bool> {
     let flags = byte(file)?;
     skip(file, 2 + table(flags), end)?;

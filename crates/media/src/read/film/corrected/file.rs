@@ -10,7 +10,7 @@ use av::ffi;
 use ffmpeg_next as av;
 
 use crate::plain_file::open_plain;
-use crate::read::film::corrections::Corrections;
+use crate::read::film::corrected::bytes::Corrections;
 
 /// Bytes read at once.
 const PIECE: usize = 1 << 16;
@@ -68,7 +68,7 @@ impl CorrectedFile {
     }
 
     /// What FFmpeg reads.
-    pub(super) fn as_ptr(&self) -> *mut ffi::AVIOContext {
+    pub(in crate::read::film) fn as_ptr(&self) -> *mut ffi::AVIOContext {
         self.context
     }
 }

@@ -1,0 +1,6 @@
+//! What a file says wrongly of itself, and what is read in its place.
+
+pub(crate) mod bytes;
+pub mod corrections;
+pub(crate) mod file;
+pub mod mp4_says;
