@@ -82,9 +82,11 @@ fn advice(path: &Path, error: &PackError) -> String {
 /// Whether a name ends as those of meshes, clouds and scene files do.
 fn is_scene(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    ["glb", "gltf", "vrm", "obj", "ply", "stl", "las", "laz", "toml"]
-        .iter()
-        .any(|it| ending == *it)
+    [
+        "glb", "gltf", "vrm", "obj", "ply", "stl", "las", "laz", "toml",
+    ]
+    .iter()
+    .any(|it| ending == *it)
 }
 
 /// An open file that begins with the header of a pack and is as long as that says.
