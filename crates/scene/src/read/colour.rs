@@ -410,8 +410,8 @@ mod tests {
             all.extend(more);
             intensities_shown(all).unwrap()
         };
-        assert_eq!(of(&[]), [0.0, 598.0]);
-        assert_eq!(of(&[65_535.0; 300]), [0.0, 598.0]);
+        assert_eq!(of(&[]), [0.0, 599.0]);
+        assert_eq!(of(&[65_535.0; 300]), [0.0, 599.0]);
         assert_eq!(of(&[9000.0, 9000.0, f64::NAN, f64::INFINITY]), [0.0, 599.0]);
         assert_eq!(of(&[-9999.0; 3])[0], 500.0);
         assert_eq!(intensities_shown(vec![7.0; 9]), Some([0.0, 7.0]));

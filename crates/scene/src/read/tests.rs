@@ -80,14 +80,15 @@ fn z_is_up_in_stl_and_where_it_is_said_so() {
 
 #[test]
 fn endings_that_are_read_are_known() {
-    for name in ["a.glb", "b/a.GLTF", "a.obj", "a.ply", "a.b.stl"] {
+    for name in ["a.glb", "b/a.GLTF", "a.vrm", "a.obj", "a.ply", "a.b.stl"] {
         assert!(is_scene_file(Path::new(name)), "{name}");
     }
     for name in ["a.fbx", "obj", ".obj", "a.obj.gz", ""] {
         assert!(!is_scene_file(Path::new(name)), "{name}");
     }
-    let endings = ".glb, .gltf, .obj, .ply, .stl, .las, .laz or .toml";
-    assert!(refusal(Path::new("a.fbx")).contains(endings));
+    let endings = ".glb, .gltf, .vrm, .obj, .ply, .stl, .las, .laz or .toml";
+    assert!(refusal(Path::new("a.xyzw")).contains(endings));
+    assert!(refusal(Path::new("a.fbx")).contains("Blender"));
     let none = read(&[], &ReadOptions::default());
     assert!(matches!(none, Err(ReadError::NoFile)));
 }

@@ -179,9 +179,11 @@ fn extensions_that_are_needed_are_refused_by_name() {
 #[test]
 fn other_versions_and_wrong_json_are_refused() {
     let said = refused(|json| json["asset"]["version"] = json!("1.0"));
+    assert_says(&said, "it is glTF 1.0, which is not supported; convert it");
+    let said = refused(|json| json["asset"]["version"] = json!("3.0"));
     assert_says(
         &said,
-        "\"1.0\", which is not supported; export it as glTF 2.0",
+        "\"3.0\", which is not supported; export it as glTF 2.0",
     );
     let said = refused(|json| json["nodes"] = json!({"0": {}}));
     assert_says(&said, "JSON, line 1 column");
