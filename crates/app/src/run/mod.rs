@@ -4,6 +4,7 @@ pub(crate) mod calibrate;
 pub(crate) mod in_parallel;
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
+pub(crate) mod mesh_file;
 pub(crate) mod open_player;
 pub(crate) mod optics;
 pub(crate) mod other_input;

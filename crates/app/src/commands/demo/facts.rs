@@ -1,99 +1,100 @@
-//! What is known of a content before it is played?
+//! What is known of a film or a picture before it is played?
 
-use crate::commands::demo::content::FRAMES;
-use crate::commands::demo::figures::frames;
-use crate::commands::demo::run::Played;
+use crate::commands::demo::content::{FRAMES, Prepared};
 use crate::report::html::escape;
 use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
 
-/// Source, pack, licence and notes as paragraphs.
-pub(super) fn paragraphs(played: &Played) -> String {
-    let licence = played.content.licence.map(|licence| format!("{licence}."));
-    let soft = [Some(pack(played)), notes(played), licence]
+/// What is shown and how, source, pack, licence and notes as paragraphs.
+pub(super) fn paragraphs(content: &Prepared, shown: &str) -> String {
+    let licence = content.licence.map(|licence| format!("{licence}."));
+    let soft = [Some(pack(content)), notes(content), licence]
         .into_iter()
         .flatten();
     let soft: String = soft
         .map(|text| format!("<p class=\"soft\">{}</p>\n", escape(&text)))
         .collect();
-    format!("<p>{}</p>\n{soft}", escape(&source(played)))
+    format!(
+        "<p>{} {}</p>\n{soft}",
+        escape(&source(content)),
+        escape(shown)
+    )
 }
 
 /// What it is, its size and its length.
-fn source(played: &Played) -> String {
-    let about = played.content.file.pack().description();
+fn source(content: &Prepared) -> String {
+    let about = content.file.pack().description();
     let [w, h] = about.source.size;
     let kind = match about.projection {
         Projection::Flat => "flat".to_owned(),
         Projection::Cube => format!("360°, on a cube of {0}×{0} pixel faces", about.size[0]),
         Projection::Equirect => "360°, equirectangular".to_owned(),
     };
-    let origin = if played.content.generated {
-        "Drawn by the program, with fine detail everywhere"
-    } else {
-        &about.source.name
+    let origin = match content.generated {
+        true => "Drawn by the program, with fine detail everywhere",
+        false => &about.source.name,
     };
-    let frames = frames(&played.runs);
-    let fps = rate(about.fps());
-    format!("{origin}: {w}×{h}, {kind}, {frames} at {fps} a second.")
+    let length = match about.is_still() {
+        true => "a still".to_owned(),
+        false => {
+            let frames = counted(about.frames, "frame");
+            format!("{frames} at {} a second", rate(about.fps()))
+        }
+    };
+    format!("{origin}: {w}×{h}, {kind}, {length}.")
 }
 
 /// How the pack is cut and coded, and how long that took.
-fn pack(played: &Played) -> String {
-    let file = &played.content.file;
+fn pack(content: &Prepared) -> String {
+    let file = &content.file;
     let about = file.pack().description();
     let cut = match about.cut {
         Cut::Tile(px) => format!("tiles of {px} pixels"),
         Cut::Grid([c, r]) => format!("a grid of {c}×{r} a face"),
     };
-    let took = match played.content.took {
+    let calibrated = match file.calibration() {
+        Ok(Some(_)) => "calibrated",
+        _ => "not calibrated",
+    };
+    let took = match content.took {
         Some(took) => {
-            let drawn = if played.content.generated {
-                "drawn and "
-            } else {
-                ""
+            let drawn = match content.generated {
+                true => "drawn, prepared and calibrated",
+                false => "prepared and calibrated",
             };
-            format!("{drawn}prepared in {:.1} s", took.as_secs_f64())
+            format!("{drawn} in {:.1} s", took.as_secs_f64())
         }
         None => "prepared by an earlier run and used again".to_owned(),
     };
     format!(
-        "Pack: {}, {}, {cut}, {}, {} from {}; {took}.",
+        "Pack: {}, {}, {cut}, {}, {calibrated}, {} from {}; {took}.",
         about.codec.name().to_uppercase(),
         counted(about.levels, "level"),
         counted(file.pack().units().count(), "unit"),
-        size(file.bytes()),
-        size(about.source.bytes),
+        size(file.bytes() as f64),
+        size(about.source.bytes as f64),
     )
 }
 
 /// What a reader should know, where there is something.
-fn notes(played: &Played) -> Option<String> {
-    let content = &played.content;
-    let about = content.file.pack().description();
+fn notes(content: &Prepared) -> Option<String> {
     let mut notes = Vec::new();
-    if content.cut_short {
+    if content.is_cut_short() {
         notes.push(format!("Only its first {FRAMES} frames are played."));
     }
-    let found = content.remarks.all();
+    let found = content.plan.remarks.all();
     if !content.generated && !found.is_empty() {
         notes.push(format!("Found on preparing: {}.", found.join("; ")));
-    }
-    if about.projection == Projection::Flat {
-        notes.push(
-            "Flat content is in view as a whole, so viewport takes all of it at the density of \
-             the display."
-                .to_owned(),
-        );
     }
     (!notes.is_empty()).then(|| notes.join(" "))
 }
 
-fn size(bytes: u64) -> String {
+/// Bytes in the unit that suits them.
+pub(super) fn size(bytes: f64) -> String {
     match bytes {
-        1_000_000.. => format!("{:.1} MB", bytes as f64 / 1e6),
-        _ => format!("{:.1} kB", bytes as f64 / 1e3),
+        ..1e6 => format!("{:.1} kB", bytes / 1e3),
+        _ => format!("{:.2} MB", bytes / 1e6),
     }
 }
 

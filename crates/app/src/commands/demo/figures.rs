@@ -1,31 +1,26 @@
-//! Which figures compare the policies, and how do they read as a table?
+//! Which figures compare the policies?
 
-use crate::commands::demo::run::{FULL, PolicyRun, VIEWPORT};
+use crate::commands::demo::part::Row;
+use crate::commands::demo::run::{COLUMNS, FULL, Played, PolicyRun, VIEWPORT};
+use crate::commands::score::ScoreReport;
 use crate::commands::simulate::RunSummary;
 use foveal_core::units::counted;
 use serde::Serialize;
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 
 /// Figures of one policy: what it took, and that over what the baselines took.
 #[derive(Debug, Serialize)]
-pub(super) struct PolicyFigures<'a> {
+pub(super) struct PolicyFigures {
     #[serde(flatten)]
-    summary: &'a RunSummary,
+    summary: RunSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    source_score: Option<ScoreReport>,
     pixels_of_full: f64,
     pixels_of_viewport: f64,
     decode_time_of_full: f64,
     decode_time_of_viewport: f64,
     bytes_of_full: f64,
     bytes_of_viewport: f64,
-}
-
-/// One row of the table: what, in which unit, and a cell a policy.
-pub(super) struct FigureRow {
-    pub(super) what: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) cells: Vec<String>,
-    /// Whether it begins another kind of figures.
-    pub(super) opens_group: bool,
 }
 
 /// What is compared between policies.
@@ -54,41 +49,60 @@ pub(super) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize)
     }
 }
 
-/// The figures of run `index`.
-pub(super) fn figures(runs: &[PolicyRun], index: usize) -> PolicyFigures<'_> {
-    let over = |of, baseline| ratio(runs, of, index, baseline);
-    PolicyFigures {
-        summary: &runs[index].summary,
-        pixels_of_full: over(Cost::Pixels, FULL),
-        pixels_of_viewport: over(Cost::Pixels, VIEWPORT),
-        decode_time_of_full: over(Cost::DecodeTime, FULL),
-        decode_time_of_viewport: over(Cost::DecodeTime, VIEWPORT),
-        bytes_of_full: over(Cost::Bytes, FULL),
-        bytes_of_viewport: over(Cost::Bytes, VIEWPORT),
-    }
+/// The figures of all runs, by the names of [`COLUMNS`].
+pub(super) fn by_policy(played: Played) -> BTreeMap<&'static str, PolicyFigures> {
+    let runs = played.runs;
+    let ratios: Vec<[f64; 6]> = (0..runs.len())
+        .map(|index| {
+            let over = |of, baseline| ratio(&runs, of, index, baseline);
+            [Cost::Pixels, Cost::DecodeTime, Cost::Bytes]
+                .map(|of| [over(of, FULL), over(of, VIEWPORT)])
+                .concat()
+                .try_into()
+                .unwrap_or_default()
+        })
+        .collect();
+    let figures = |((run, column), ratios): ((PolicyRun, &'static str), [f64; 6])| {
+        let figures = PolicyFigures {
+            summary: run.summary,
+            source_score: run.source_score,
+            pixels_of_full: ratios[0],
+            pixels_of_viewport: ratios[1],
+            decode_time_of_full: ratios[2],
+            decode_time_of_viewport: ratios[3],
+            bytes_of_full: ratios[4],
+            bytes_of_viewport: ratios[5],
+        };
+        (column, figures)
+    };
+    runs.into_iter()
+        .zip(COLUMNS)
+        .zip(ratios)
+        .map(figures)
+        .collect()
 }
 
 /// The rows of the table.
-pub(super) fn rows(runs: &[PolicyRun]) -> Vec<FigureRow> {
-    let row = |what, unit, cell: &dyn Fn(&RunSummary) -> String| FigureRow {
-        what,
+pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
+    let row = |what: &str, unit, cell: &dyn Fn(&PolicyRun) -> String| Row {
+        what: what.to_owned(),
         unit,
-        cells: runs.iter().map(|run| cell(&run.summary)).collect(),
+        cells: runs.iter().map(cell).collect(),
         opens_group: false,
     };
-    let over = |what, of, baseline| FigureRow {
-        what,
+    let over = |what: &str, of, baseline| Row {
+        what: what.to_owned(),
         unit: "%",
         cells: (0..runs.len())
             .map(|index| format!("{:.1}", ratio(runs, of, index, baseline) * 100.0))
             .collect(),
         opens_group: of == Cost::Pixels && baseline == FULL,
     };
-    let amount = |what, unit, value: &dyn Fn(&RunSummary) -> f64| {
+    let amount = |what: &str, unit, value: &dyn Fn(&RunSummary) -> f64| {
         let values: Vec<f64> = runs.iter().map(|run| value(&run.summary)).collect();
         let decimals = decimals(&values);
-        FigureRow {
-            what,
+        Row {
+            what: what.to_owned(),
             unit,
             cells: values.iter().map(|v| format!("{v:.decimals$}")).collect(),
             opens_group: false,
@@ -96,15 +110,17 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<FigureRow> {
     };
     let percent = |share: f64| format!("{:.2}", share * 100.0);
     vec![
-        row("Pixels a frame, mean", "%", &|s| {
-            percent(s.pixels_share_mean)
+        row("Pixels a frame, mean", "%", &|it| {
+            percent(it.summary.pixels_share_mean)
         }),
-        row("Pixels a frame, most", "%", &|s| {
-            percent(s.pixels_share_max)
+        row("Pixels a frame, most", "%", &|it| {
+            percent(it.summary.pixels_share_max)
         }),
-        row("Score of the first frames", "JOD", &|s| {
-            let jod = s.score.as_ref().map(|score| score.jod);
-            jod.map_or("-".to_owned(), |jod| format!("{jod:.2}"))
+        row("Score against full", "JOD", &|it| {
+            jod(it.summary.score.as_ref())
+        }),
+        row("Score against the source", "JOD", &|it| {
+            jod(it.source_score.as_ref())
         }),
         amount("Fetched", "MB", &|s| s.bytes as f64 / 1e6),
         amount("Decoded", "MPix", &|s| s.decoded_megapixels),
@@ -112,17 +128,23 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<FigureRow> {
         amount("Decoding a frame, 95th percentile", "ms", &|s| {
             s.decode_ms_p95
         }),
-        row("Late frames", "", &|s| s.late_frames.to_string()),
-        row("Incomplete frames", "", &|s| {
-            s.incomplete_frames.to_string()
+        row("Late frames", "", &|it| it.summary.late_frames.to_string()),
+        row("Incomplete frames", "", &|it| {
+            it.summary.incomplete_frames.to_string()
         }),
         amount("GPU memory", "MB", &|s| s.gpu_bytes as f64 / 1e6),
         over("Pixels, of full", Cost::Pixels, FULL),
         over("Pixels, of viewport", Cost::Pixels, VIEWPORT),
         over("Bytes, of full", Cost::Bytes, FULL),
+        over("Bytes, of viewport", Cost::Bytes, VIEWPORT),
         over("Decoding time, of full", Cost::DecodeTime, FULL),
         over("Decoding time, of viewport", Cost::DecodeTime, VIEWPORT),
     ]
+}
+
+/// A score as it is written; a dash where there is none.
+pub(super) fn jod(score: Option<&ScoreReport>) -> String {
+    score.map_or("–".to_owned(), |score| format!("{:.2}", score.jod))
 }
 
 /// Decimals that show three digits of the largest value, at most four.
@@ -131,28 +153,7 @@ fn decimals(values: &[f64]) -> usize {
     (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize
 }
 
-/// How many frames were played, in words.
+/// How many pictures were played, in words.
 pub(super) fn frames(runs: &[PolicyRun]) -> String {
     counted(runs.first().map_or(0, |run| run.reports.len()), "frame")
-}
-
-/// The table for a terminal.
-pub(super) fn text(runs: &[PolicyRun]) -> String {
-    let mut text = format!("{:<40}", "");
-    for run in runs {
-        let _ = write!(text, "{:>10}", run.summary.policy);
-    }
-    text.push('\n');
-    for row in rows(runs) {
-        let label = match row.unit {
-            "" => row.what.to_owned(),
-            unit => format!("{}, {unit}", row.what),
-        };
-        let _ = write!(text, "{label:<40}");
-        for cell in row.cells {
-            let _ = write!(text, "{cell:>10}");
-        }
-        text.push('\n');
-    }
-    text
 }

@@ -2,13 +2,23 @@
 
 use crate::commands::demo::content::{FRAMES, Prepared};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
+use crate::options::hold::STILL_HZ;
 use crate::options::policy::ViewOptions;
+use crate::options::policy_of_pack::cheaper_policy;
 use crate::run::open_player::open_player;
+use crate::run::shown_frames::ShownFrames;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
-use foveal_play::Decoding;
-use foveal_play::{Player, PlayerOptions};
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::eye_view::EyeView;
+use foveal_core::view::mounted::MountedPanel;
+use foveal_core::view::surface::Surface;
+use foveal_play::{Decoding, Player, PlayerOptions};
 use foveal_render::{DrawDevice, TileStyle};
 use std::sync::Arc;
+
+/// Pixels per degree ahead of a headset's view, and its height over its width.
+const HEADSET_PPD: f64 = 22.0;
+const HEADSET_SHAPE: f64 = 0.625;
 
 /// How all content is played.
 pub(super) struct DemoConditions<'a> {
@@ -17,41 +27,103 @@ pub(super) struct DemoConditions<'a> {
     pub(super) seed: u64,
 }
 
+impl DemoConditions<'_> {
+    /// What shows content on a surface: a headset's view of a sphere, where none was asked for.
+    fn view_of(&self, surface: &Surface) -> anyhow::Result<EyeView> {
+        let mut view = self.view.clone();
+        if surface.projection.surrounds() && view.view.is_none() {
+            let ahead = Radians(1.0).to_degrees() * HEADSET_PPD;
+            let width = 2.0 * (view.fov()?.0 / 2.0).tan() * ahead;
+            view.view = Some([width, width * HEADSET_SHAPE].map(|side| side.round() as u32));
+        }
+        view.eye_view(surface)
+    }
+}
+
 /// What every run of one content shares.
 pub(super) struct PlaySetup<'a> {
-    pub(super) content: Prepared,
+    pub(super) content: &'a Prepared,
     pub(super) conditions: &'a DemoConditions<'a>,
-    /// How many frames are played.
-    pub(super) frames: u32,
+    /// What shows it in the place of one view, if anything.
+    pub(super) panels: Vec<MountedPanel>,
+    /// What `auto` chose.
+    pub(super) chosen: Policy,
+    /// How many pictures are played.
+    pub(super) pictures: u32,
+    pub(super) shown: ShownFrames,
+    view: EyeView,
 }
 
 impl<'a> PlaySetup<'a> {
-    pub(super) fn new(content: Prepared, conditions: &'a DemoConditions<'a>) -> Self {
-        let frames = content.file.pack().description().frames.min(FRAMES);
-        Self {
+    /// In one view, or on panels where there are any.
+    pub(super) fn new(
+        content: &'a Prepared,
+        conditions: &'a DemoConditions<'a>,
+        panels: Vec<MountedPanel>,
+    ) -> anyhow::Result<Self> {
+        let about = content.file.pack().description();
+        let surface = about.grid(conditions.view.screen).surface;
+        let view = match panels.first() {
+            Some(first) => first.turned(&Default::default()),
+            None => conditions.view_of(&surface)?,
+        };
+        let chosen = cheaper_policy(&content.file, (&surface, &view), Some(DEFAULT_TARGET));
+        Ok(Self {
             content,
             conditions,
-            frames,
+            panels,
+            view,
+            chosen: chosen.unwrap_or(Policy::Perceptual),
+            pictures: match about.is_still() {
+                true => FRAMES,
+                false => about.frames.min(FRAMES),
+            },
+            shown: ShownFrames::new(about.frames, 0, Seconds(1.0 / STILL_HZ)),
+        })
+    }
+
+    /// What shows it, while the head looks ahead.
+    pub(super) fn views(&self) -> Vec<EyeView> {
+        match self.panels.as_slice() {
+            [] => vec![self.view],
+            panels => MountedPanel::views(panels, &Default::default(), Default::default()),
         }
+    }
+
+    /// Pictures a second; `None` of a still, whose pictures are judged one by one.
+    pub(super) fn judged_fps(&self) -> Option<f64> {
+        let about = self.content.file.pack().description();
+        (!about.is_still()).then(|| about.fps())
     }
 
     /// A player at the first frame, and the gaze that all runs follow.
     pub(super) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
-        let view = self.conditions.view;
-        let surface = self
-            .content
-            .file
-            .pack()
-            .description()
-            .grid(view.screen)
-            .surface;
+        let player = self.player_on(policy, self.panels.clone())?;
+        let surface = player.grid().surface;
+        let length = self.shown.time(self.pictures - 1, &player);
+        let gaze = GazeSource::new(
+            &GazeChoice::Scan,
+            &surface,
+            self.conditions.seed,
+            length,
+            &ViewerModel::default(),
+        )?;
+        Ok((player, gaze))
+    }
+
+    /// A player whose content is shown on these panels, or in the view where there are none.
+    pub(super) fn player_on(
+        &self,
+        policy: Policy,
+        panels: Vec<MountedPanel>,
+    ) -> anyhow::Result<Player> {
         let options = PlayerOptions {
             config: PolicyConfig {
-                target: (policy == Policy::Perceptual).then_some(DEFAULT_TARGET),
+                target: policy.has_target().then_some(DEFAULT_TARGET),
                 ..PolicyConfig::new(policy)
             },
-            view: view.eye_view(&surface)?,
-            screen: view.screen,
+            view: self.view,
+            screen: self.conditions.view.screen,
             drawing: self.conditions.drawing.clone(),
             style: TileStyle::default(),
             tell: crate::report::output::say,
@@ -61,14 +133,6 @@ impl<'a> PlaySetup<'a> {
             decoding: Decoding::software(),
         };
         let player = open_player(Arc::clone(&self.content.file), options)?;
-        let length = player.time(self.frames - 1);
-        let gaze = GazeSource::new(
-            &GazeChoice::Scan,
-            &surface,
-            self.conditions.seed,
-            length,
-            &ViewerModel::default(),
-        )?;
-        Ok((player, gaze))
+        Ok(player.through(panels))
     }
 }

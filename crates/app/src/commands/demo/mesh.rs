@@ -1,0 +1,399 @@
+//! How soon is a mesh or a cloud sharp that comes through a narrow link?
+
+use crate::commands::demo::facts::size;
+use crate::commands::demo::mesh_run::{
+    LINK_BYTES, MOMENTS_S, Moment, Runs, SHARP, SceneRun, WATCHED,
+};
+use crate::commands::demo::part::{Card, Part, Plot, Row, Table, is_little, picture};
+use crate::commands::scene::prepare::{check_scene, prepare_usual};
+use crate::report::html::escape;
+use crate::report::output;
+use crate::report::plot::{PlotLine, PlottedRun, lines};
+use crate::run::mesh_file::ply;
+use foveal_core::units::counted;
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_scene::generate::knot;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Vertices along and around the generated rope: twice as many triangles as their product.
+const KNOT: [u32; 2] = [2600, 144];
+/// A mesh that is there whole within this time needs no choice, in seconds.
+const SOON_S: f64 = 2.0;
+
+/// A 3D file to show.
+#[derive(Clone, Debug)]
+pub(super) struct SceneContent {
+    /// Name of its pack, without ending.
+    pub(super) name: String,
+    source: PathBuf,
+    is_drawn: bool,
+}
+
+/// A scene as a pack, and how it became one.
+pub(super) struct PreparedScene {
+    pub(super) content: SceneContent,
+    pub(super) file: Arc<SceneFile>,
+    took: Duration,
+}
+
+/// What one policy brought, as the demo prints it.
+#[derive(Debug, Serialize)]
+pub(super) struct SceneFigures {
+    /// Until the fovea was within 1 % of all detail; null where it never was.
+    seconds_to_sharp: Option<f64>,
+    bytes_to_sharp: Option<u64>,
+    seconds_of_uniform: Option<f64>,
+    bytes_of_uniform: Option<f64>,
+    moments: Vec<MomentFigures>,
+}
+
+/// What it shows at one moment.
+#[derive(Debug, Serialize)]
+struct MomentFigures {
+    t_s: f64,
+    bytes: u64,
+    triangles: u64,
+    units: u32,
+    error_fovea: Option<f64>,
+    error_all: f64,
+    psnr_db: Option<f64>,
+    jod: Option<f64>,
+}
+
+impl SceneContent {
+    /// A file of the user's.
+    pub(super) fn file(name: String, source: PathBuf) -> Self {
+        Self {
+            name,
+            source,
+            is_drawn: false,
+        }
+    }
+
+    /// A knot that is drawn under `out`.
+    pub(super) fn knot(out: &Path) -> Self {
+        Self {
+            name: "knot".to_owned(),
+            source: out.join("knot.ply"),
+            is_drawn: true,
+        }
+    }
+
+    /// Refuses a file that cannot be read.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        match self.is_drawn {
+            true => Ok(()),
+            false => check_scene(&self.source),
+        }
+    }
+
+    /// Makes a pack under `out`, or finds that the one there is still good.
+    pub(super) fn prepare(&self, out: &Path) -> anyhow::Result<PreparedScene> {
+        let begun = Instant::now();
+        if self.is_drawn {
+            let [along, around] = KNOT;
+            output::write_whole(&self.source, &ply(&knot(along, around)))?;
+        }
+        let pack = out.join(format!("{}.foveal", self.name));
+        prepare_usual(&self.source, &pack)?;
+        Ok(PreparedScene {
+            content: self.clone(),
+            file: Arc::new(SceneFile::open(&pack)?),
+            took: begun.elapsed(),
+        })
+    }
+
+    /// Where a viewer of it looks, in degrees to the right and up of its middle: a knot has a hole
+    /// there.
+    pub(super) fn gaze_deg(&self) -> [f64; 2] {
+        match self.is_drawn {
+            true => [9.0, 6.0],
+            false => [0.0, 0.0],
+        }
+    }
+}
+
+/// The figures of both policies, by name.
+pub(super) fn by_policy(runs: &Runs) -> BTreeMap<&'static str, SceneFigures> {
+    let [uniform, _] = &runs.runs;
+    let figures = |run: &SceneRun| SceneFigures {
+        seconds_to_sharp: run.sharp.map(|it| it.0),
+        bytes_to_sharp: run.sharp.map(|it| it.1),
+        seconds_of_uniform: ratio(run, uniform, |it| it.0),
+        bytes_of_uniform: ratio(run, uniform, |it| it.1 as f64),
+        moments: run.moments.iter().map(MomentFigures::of).collect(),
+    };
+    runs.runs
+        .iter()
+        .map(|run| (run.name, figures(run)))
+        .collect()
+}
+
+/// What a policy took until all was sharp, over what another did.
+fn ratio(run: &SceneRun, other: &SceneRun, of: fn((f64, u64)) -> f64) -> Option<f64> {
+    Some(of(run.sharp?) / of(other.sharp?).max(f64::MIN_POSITIVE))
+}
+
+impl MomentFigures {
+    fn of(moment: &Moment) -> Self {
+        Self {
+            t_s: moment.t_s,
+            bytes: moment.bytes,
+            triangles: moment.triangles,
+            units: moment.units,
+            error_fovea: moment.error_fovea,
+            error_all: moment.error_all,
+            psnr_db: moment.psnr_db,
+            jod: moment.jod,
+        }
+    }
+}
+
+/// The part of a scene that was watched.
+pub(super) fn part(scene: &PreparedScene, runs: &Runs) -> Part {
+    Part {
+        title: format!("A scan through 4 Mbit/s: {}", scene.content.name),
+        facts: facts(scene, runs),
+        cards: cards(runs),
+        little: little(scene, runs),
+        pictures: pictures(runs),
+        plot: plot(runs),
+        table: table(runs),
+        took_s: 0.0,
+    }
+}
+
+fn facts(scene: &PreparedScene, runs: &Runs) -> String {
+    let about = scene.file.pack().description();
+    let origin = match scene.content.is_drawn {
+        true => "Drawn by the program: a rope in a knot, with a colour a vertex",
+        false => &about.source.names.join(", "),
+    };
+    let shapes = match runs.triangles {
+        0 => "points".to_owned(),
+        triangles => format!("{} in view", counted(triangles, "triangle")),
+    };
+    let [w, h] = runs.view.size;
+    let (across, [right, up]) = (WATCHED.fov_deg, scene.content.gaze_deg());
+    let shown = format!(
+        "{origin}: {shapes}. The view is {w}×{h} pixels, {across:.0}° across; the viewer stands \
+         still and looks {right}° to the right of its middle and {up}° up."
+    );
+    let pack = format!(
+        "Pack: {}, {} from {}; read and prepared in {:.1} s.",
+        counted(scene.file.pack().rows().len(), "unit"),
+        size(scene.file.bytes() as f64),
+        size(about.source.bytes as f64),
+        scene.took.as_secs_f64(),
+    );
+    format!(
+        "<p>{}</p>\n<p class=\"soft\">{}</p>\n<p class=\"soft\">The link brings 4 Mbit/s without \
+         loss or delay. <code>uniform</code> buys what the view resolves, <code>perceptual</code> \
+         what the eye resolves where it looks. The picture of all units is both full and source: \
+         the finest level is the source’s own shape, on a grid of 14 bits. The judge was made for \
+         video, and its scores of such stills have not been checked with viewers; PSNR and the \
+         error of luminance stand next to them in the table.</p>\n",
+        escape(&shown),
+        escape(&pack)
+    )
+}
+
+fn cards(runs: &Runs) -> Vec<Card> {
+    let [uniform, own] = &runs.runs;
+    let second = |run: &SceneRun| run.moments.iter().find(|it| it.t_s == 1.0).cloned();
+    let (of_uniform, of_own) = (
+        second(uniform).unwrap_or_default(),
+        second(own).unwrap_or_default(),
+    );
+    let detail = match runs.triangles {
+        0 => Card {
+            name: "Units after 1 s",
+            value: of_own.units.to_string(),
+            notes: vec![format!("uniform {}", of_uniform.units)],
+        },
+        all => Card {
+            name: "Triangles after 1 s",
+            value: thousands(of_own.triangles),
+            notes: vec![
+                format!("uniform {}", thousands(of_uniform.triangles)),
+                format!("of {} in view", thousands(all)),
+            ],
+        },
+    };
+    let jod = |moment: &Moment| moment.jod.map_or("–".to_owned(), |jod| format!("{jod:.2}"));
+    vec![
+        detail,
+        Card {
+            name: "Bytes until sharp",
+            value: bytes_told(own.sharp),
+            notes: vec![
+                "where the eye looks".to_owned(),
+                format!("uniform {}", bytes_told(uniform.sharp)),
+            ],
+        },
+        Card {
+            name: "Time until sharp",
+            value: seconds_told(own.sharp),
+            notes: vec![
+                "within 1 % of all detail".to_owned(),
+                format!("uniform {}", seconds_told(uniform.sharp)),
+            ],
+        },
+        Card {
+            name: "Score after 1 s",
+            value: format!("{}&#8239;JOD", jod(&of_own)),
+            notes: vec![
+                "against full, which is the source".to_owned(),
+                format!("uniform {}", jod(&of_uniform)),
+            ],
+        },
+    ]
+}
+
+fn thousands(count: u64) -> String {
+    match count {
+        ..10_000 => count.to_string(),
+        _ => format!("{:.0}&#8239;k", count as f64 / 1e3),
+    }
+}
+
+fn bytes_told(sharp: Option<(f64, u64)>) -> String {
+    sharp.map_or("not reached".to_owned(), |(_, bytes)| {
+        format!("{:.2}&#8239;MB", bytes as f64 / 1e6)
+    })
+}
+
+fn seconds_told(sharp: Option<(f64, u64)>) -> String {
+    let most = WATCHED.longest_s;
+    sharp.map_or(format!("over {most:.0}&#8239;s"), |(seconds, _)| {
+        format!("{seconds:.1}&#8239;s")
+    })
+}
+
+/// Why little is gained, where that is so.
+fn little(scene: &PreparedScene, runs: &Runs) -> Option<String> {
+    let [uniform, own] = &runs.runs;
+    let [of_uniform, of_own] = [uniform, own].map(|run| match run.sharp {
+        Some((seconds, _)) => seconds,
+        None => WATCHED.longest_s,
+    });
+    if !is_little(of_own, of_uniform) {
+        return None;
+    }
+    let whole_s = scene.file.bytes() as f64 / LINK_BYTES;
+    Some(match whole_s <= SOON_S {
+        true => format!("the link brings the whole pack within {whole_s:.1} s"),
+        false => "nearly all of what is in view lies where the eye looks, or what is missing \
+                  there is as large as all the rest"
+            .to_owned(),
+    })
+}
+
+/// What each policy shows at each moment, and all of it.
+fn pictures(runs: &Runs) -> String {
+    let [uniform, own] = &runs.runs;
+    let mut figures = String::new();
+    let moments = uniform.moments.iter().zip(&own.moments);
+    for (moment, t_s) in moments.zip(MOMENTS_S) {
+        for (moment, name) in [(moment.0, uniform.name), (moment.1, own.name)] {
+            let jod = moment
+                .jod
+                .map_or(String::new(), |jod| format!(", {jod:.2} JOD"));
+            let title = format!("{name}, {t_s} s");
+            let text = format!("{}{jod}.", size(moment.bytes as f64));
+            figures += &picture("", &moment.png, &title, &text);
+        }
+    }
+    figures += &picture(
+        "",
+        &runs.whole,
+        "All of it",
+        "Every unit at its finest. The ring is 2.5° round the gaze.",
+    );
+    format!("<h3>At the same moments</h3>\n<div class=\"pictures\">\n{figures}</div>\n")
+}
+
+/// The error where the eye looks, over time.
+fn plot(runs: &Runs) -> Plot {
+    let [uniform, own] = &runs.runs;
+    let longest = match uniform.times.len() > own.times.len() {
+        true => &uniform.times,
+        false => &own.times,
+    };
+    let shared = PlottedRun {
+        times: longest,
+        unit: "seconds",
+        moving: &[],
+        pictured: None,
+    };
+    let line = |run: &SceneRun| PlotLine {
+        class: run.name,
+        values: run.errors.iter().map(|error| error * 100.0).collect(),
+    };
+    Plot {
+        title: "Error where the eye looks",
+        text: "root mean square of the difference of luminance within 2.5° of the gaze, in % of \
+               its mean.",
+        svg: lines(
+            "Error where the eye looks",
+            &shared,
+            &[line(uniform), line(own)],
+        ),
+    }
+}
+
+fn table(runs: &Runs) -> Table {
+    let [uniform, own] = &runs.runs;
+    let both = |what: String, unit, cell: &dyn Fn(&SceneRun) -> String| Row {
+        what,
+        unit,
+        cells: vec![cell(uniform), cell(own)],
+        opens_group: false,
+    };
+    let known = |value: Option<f64>, decimals: usize| {
+        value.map_or("–".to_owned(), |value| format!("{value:.decimals$}"))
+    };
+    let mut rows = vec![
+        both("Sharp where the eye looks".to_owned(), "s", &|run| {
+            known(run.sharp.map(|it| it.0), 1)
+        }),
+        both("Bytes until then".to_owned(), "MB", &|run| {
+            known(run.sharp.map(|it| it.1 as f64 / 1e6), 2)
+        }),
+    ];
+    for (at, t_s) in MOMENTS_S.into_iter().enumerate() {
+        rows.push(Row {
+            opens_group: true,
+            ..both(format!("After {t_s} s: score"), "JOD", &|run| {
+                known(run.moments[at].jod, 2)
+            })
+        });
+        rows.push(both("error where the eye looks".to_owned(), "%", &|run| {
+            known(run.moments[at].error_fovea.map(|it| it * 100.0), 1)
+        }));
+        rows.push(both("error over the picture".to_owned(), "%", &|run| {
+            format!("{:.1}", run.moments[at].error_all * 100.0)
+        }));
+        rows.push(both("PSNR over the picture".to_owned(), "dB", &|run| {
+            known(run.moments[at].psnr_db, 1)
+        }));
+        rows.push(both("fetched".to_owned(), "MB", &|run| {
+            format!("{:.2}", run.moments[at].bytes as f64 / 1e6)
+        }));
+        rows.push(both("triangles".to_owned(), "", &|run| {
+            run.moments[at].triangles.to_string()
+        }));
+    }
+    Table {
+        title: format!(
+            "Figures of both policies, sharp within {:.0} %",
+            SHARP * 100.0
+        ),
+        columns: vec![uniform.name, own.name],
+        rows,
+    }
+}

@@ -1,0 +1,277 @@
+//! What does a link bring of a scene, moment by moment?
+
+use crate::commands::demo::mesh::PreparedScene;
+use crate::commands::demo::pictures::{Png, png};
+use crate::commands::scene::moving::{Mover, Standing};
+use crate::commands::score::{
+    Companions, DeviceName, Engine, LastGaze, display_of_view, from_image,
+};
+use crate::commands::simulate_pictures::marks;
+use crate::gaze_source::{GazeChoice, ViewerModel};
+use crate::report::output::{self, Counting};
+use anyhow::Context;
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::perception::parameters::Parameters;
+use foveal_core::units::{Radians, Seconds};
+use foveal_core::view::axes::Axes;
+use foveal_core::view::eye_view::{EyeView, Field};
+use foveal_core::view::route::Route;
+use foveal_core::view::surface::Projection;
+use foveal_eval::disc_error::{FOVEA_DEG, disc, error_over};
+use foveal_eval::score::{Mode, Viewing};
+use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
+use foveal_render::{DrawDevice, Overlay, RgbaImage};
+use std::sync::Arc;
+
+/// Bytes a second of the link: 4 Mbit/s.
+pub(super) const LINK_BYTES: f64 = 5e5;
+/// When pictures are taken, in seconds.
+pub(super) const MOMENTS_S: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// From this error on, of the luminance within the fovea, what the eye looks at is sharp.
+pub(super) const SHARP: f64 = 0.01;
+/// Time from one step to the next, in tenths of a second.
+const STEPS_A_SECOND: u32 = 10;
+/// Steps without anything new after which nothing more comes.
+const QUIET: u32 = 10;
+/// Bytes that the GPU may hold.
+const GPU_BYTES: u64 = 512_000_000;
+
+/// How a scene is watched.
+pub(super) struct Watching {
+    pub(super) fov_deg: f64,
+    /// Pixels of a view that is not given.
+    size: [u32; 2],
+    pub(super) longest_s: f64,
+}
+
+pub(super) const WATCHED: Watching = Watching {
+    fov_deg: 60.0,
+    size: [1280, 800],
+    longest_s: 12.0,
+};
+
+/// Both policies over the same link.
+pub(super) struct Runs {
+    /// `uniform`, then `perceptual`.
+    pub(super) runs: [SceneRun; 2],
+    pub(super) view: EyeView,
+    /// Triangles of everything that is in view, at its finest; 0 of clouds.
+    pub(super) triangles: u64,
+    /// All of it, with a ring round the gaze.
+    pub(super) whole: Png,
+}
+
+/// What came under one policy.
+pub(super) struct SceneRun {
+    pub(super) name: &'static str,
+    pub(super) moments: Vec<Moment>,
+    /// Times of all steps in seconds, and the error in the fovea at each.
+    pub(super) times: Vec<f64>,
+    pub(super) errors: Vec<f64>,
+    /// Seconds and bytes until the fovea was sharp; `None` where it never was.
+    pub(super) sharp: Option<(f64, u64)>,
+}
+
+/// One of [`MOMENTS_S`].
+#[derive(Clone, Default)]
+pub(super) struct Moment {
+    pub(super) t_s: f64,
+    pub(super) bytes: u64,
+    pub(super) triangles: u64,
+    pub(super) units: u32,
+    pub(super) error_fovea: Option<f64>,
+    pub(super) error_all: f64,
+    /// Null of equal pictures.
+    pub(super) psnr_db: Option<f64>,
+    /// `None` where no display shows the view.
+    pub(super) jod: Option<f64>,
+    pub(super) png: Png,
+}
+
+/// Watches a scene under both policies.
+pub(super) fn watch(
+    scene: &PreparedScene,
+    drawing: &DrawDevice,
+    size: Option<[u32; 2]>,
+) -> anyhow::Result<Runs> {
+    let size = size.unwrap_or(WATCHED.size);
+    let ahead = EyeView {
+        position: Default::default(),
+        axes: Axes::FRONT,
+        field: Field::of_larger_side(Radians::from_degrees(WATCHED.fov_deg), size),
+        size,
+        eye: Default::default(),
+    };
+    let mut whole = player(scene, drawing, Policy::Full)?;
+    let route = (Route::Still, whole.scene().bounds());
+    let gaze = GazeChoice::At(scene.content.gaze_deg());
+    let mover = Mover::new(route, &gaze, 0, Seconds(0.0), &ViewerModel::default())?;
+    let standing = mover
+        .through(ahead)
+        .at(Seconds(0.0), &Parameters::default());
+    let view = standing.moment.views[0];
+    whole.show(Seconds(0.0), &standing.moment)?;
+    let reference = whole.picture(&view)?.context("nothing draws")?;
+    let watched = Watched {
+        drawing,
+        scene,
+        standing,
+        view,
+        reference,
+    };
+    Ok(Runs {
+        triangles: whole.drawer().triangles_drawn(),
+        whole: watched.ringed(&mut whole)?,
+        runs: [
+            watched.run(Policy::Uniform)?,
+            watched.run(Policy::Perceptual)?,
+        ],
+        view,
+    })
+}
+
+fn player(
+    scene: &PreparedScene,
+    drawing: &DrawDevice,
+    policy: Policy,
+) -> anyhow::Result<ScenePlayer> {
+    let options = ScenePlayerOptions {
+        config: PolicyConfig::new(policy),
+        drawing: drawing.clone(),
+        bytes_per_s: match policy {
+            Policy::Full => f64::INFINITY,
+            _ => LINK_BYTES,
+        },
+        gpu_bytes: match policy {
+            Policy::Full => u64::MAX / 4,
+            _ => GPU_BYTES,
+        },
+        tell: output::say,
+    };
+    Ok(ScenePlayer::new(Arc::clone(&scene.file), options)?)
+}
+
+/// A scene before a viewer who stands still, and what all of it looks like.
+struct Watched<'a> {
+    drawing: &'a DrawDevice,
+    scene: &'a PreparedScene,
+    standing: Standing,
+    view: EyeView,
+    reference: RgbaImage,
+}
+
+/// How far a picture is from that of all units.
+struct Errors {
+    fovea: Option<f64>,
+    all: f64,
+}
+
+impl Watched<'_> {
+    /// Watches until nothing more comes that the eye could see, or as long as is watched.
+    fn run(&self, policy: Policy) -> anyhow::Result<SceneRun> {
+        let name = policy.name();
+        let steps = (WATCHED.longest_s * f64::from(STEPS_A_SECOND)) as u32;
+        output::say(&format!("{}: comes under {name}", self.scene.content.name));
+        let bar = output::bar(Some(u64::from(steps)), Counting::Frames);
+        let mut player = player(self.scene, self.drawing, policy)?;
+        let mut run = SceneRun {
+            name,
+            moments: Vec::new(),
+            times: Vec::new(),
+            errors: Vec::new(),
+            sharp: None,
+        };
+        let (mut bytes, mut quiet) = (player.head_bytes(), 0);
+        let mut errors = None;
+        for step in 0..=steps {
+            let t_s = f64::from(step) / f64::from(STEPS_A_SECOND);
+            let report = player.show(Seconds(t_s), &self.standing.moment)?;
+            bytes += report.unit_bytes + report.page_bytes;
+            quiet = if report.unit_bytes > 0 { 0 } else { quiet + 1 };
+            let found = match errors.take().filter(|_| quiet > 0) {
+                Some(found) => found,
+                None => self.errors(&self.picture(&mut player)?),
+            };
+            run.times.push(t_s);
+            run.errors.push(found.fovea.unwrap_or(found.all));
+            if run.sharp.is_none() && found.fovea.unwrap_or(found.all) <= SHARP {
+                run.sharp = Some((t_s, bytes));
+            }
+            if MOMENTS_S.contains(&t_s) {
+                let moment = self.moment(&mut player, (t_s, bytes), &report)?;
+                run.moments.push(Moment {
+                    error_fovea: found.fovea,
+                    error_all: found.all,
+                    ..moment
+                });
+            }
+            errors = Some(found);
+            bar.inc(1);
+            if quiet >= QUIET && run.moments.len() == MOMENTS_S.len() {
+                break;
+            }
+        }
+        bar.finish_and_clear();
+        Ok(run)
+    }
+
+    /// What is there, in its place.
+    fn picture(&self, player: &mut ScenePlayer) -> anyhow::Result<RgbaImage> {
+        let picture = player.picture_in_place(&self.view)?;
+        picture.context("nothing draws")
+    }
+
+    fn errors(&self, picture: &RgbaImage) -> Errors {
+        let gaze = self.standing.gaze.gaze_in_content;
+        let fovea = disc(&self.view, gaze, Radians::from_degrees(FOVEA_DEG));
+        let (shown, whole) = (&picture.pixels, &self.reference.pixels);
+        let pixels = shown.len() / 4;
+        Errors {
+            fovea: (!fovea.is_empty()).then(|| error_over(fovea.into_iter(), shown, whole)),
+            all: error_over(0..pixels, shown, whole),
+        }
+    }
+
+    /// A picture of what is there, with what the judge says of it.
+    fn moment(
+        &self,
+        player: &mut ScenePlayer,
+        (t_s, bytes): (f64, u64),
+        report: &SceneReport,
+    ) -> anyhow::Result<Moment> {
+        let image = self.picture(player)?;
+        let display = display_of_view(&self.view, Projection::Cube);
+        let viewing = Viewing::new(display, self.view.size, None, true, Mode::Compat).ok();
+        let (mut jod, mut psnr_db) = (None, None);
+        if let Some(viewing) = viewing {
+            let [whole, shown] = [from_image(&self.reference)?, from_image(&image)?];
+            let gaze_px = LastGaze::new(&self.view).in_view(&self.view, &self.standing.gaze);
+            let mut engine = Engine::open(DeviceName::Cpu, &viewing, output::jobs(None)?)?;
+            engine.frame(&whole, &shown, gaze_px)?;
+            let mut companions = Companions::beside(&viewing)?;
+            companions.frame(&whole, &shown, gaze_px)?;
+            jod = Some(engine.score()?.jod);
+            psnr_db = companions.totals().psnr_db;
+        }
+        Ok(Moment {
+            t_s,
+            bytes,
+            triangles: player.drawer().triangles_drawn(),
+            units: report.units_by_level.iter().sum(),
+            jod,
+            psnr_db,
+            png: png(&image)?,
+            ..Moment::default()
+        })
+    }
+
+    /// All of it, with a ring round the gaze.
+    fn ringed(&self, whole: &mut ScenePlayer) -> anyhow::Result<Png> {
+        let ring = Overlay {
+            borders: 0.0,
+            ..marks(&self.view, &self.standing.gaze)
+        };
+        let picture = whole.drawer().picture(&self.view, Some(&ring))?;
+        png(&picture.context("nothing draws")?)
+    }
+}
