@@ -29,7 +29,7 @@ pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> Part {
         little: little(content, played),
         pictures: pictures(played, content),
         plot: pixels_plot(played),
-        table: table(played, setup.chosen.name()),
+        table: table(played, setup),
         took_s: 0.0,
     }
 }

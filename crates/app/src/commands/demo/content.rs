@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Most frames that are prepared and played of every film, and pictures of every still.
+/// Most frames that are prepared and played of every film.
 pub(super) const FRAMES: u32 = 64;
 /// Pixels of the generated still sphere, equirectangular.
 const SPHERE_SIZE: [u32; 2] = [8192, 4096];

@@ -82,8 +82,8 @@ pub(super) fn by_policy(played: Played) -> BTreeMap<&'static str, PolicyFigures>
         .collect()
 }
 
-/// The rows of the table.
-pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
+/// The rows of the table; pictures of a still are never late.
+pub(super) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<Row> {
     let row = |what: &str, unit, cell: &dyn Fn(&PolicyRun) -> String| Row {
         what: what.to_owned(),
         unit,
@@ -109,7 +109,7 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
         }
     };
     let percent = |share: f64| format!("{:.2}", share * 100.0);
-    vec![
+    let mut rows = vec![
         row("Pixels a frame, mean", "%", &|it| {
             percent(it.summary.pixels_share_mean)
         }),
@@ -128,18 +128,25 @@ pub(super) fn rows(runs: &[PolicyRun]) -> Vec<Row> {
         amount("Decoding a frame, 95th percentile", "ms", &|s| {
             s.decode_ms_p95
         }),
-        row("Late frames", "", &|it| it.summary.late_frames.to_string()),
-        row("Incomplete frames", "", &|it| {
-            it.summary.incomplete_frames.to_string()
-        }),
         amount("GPU memory", "MB", &|s| s.gpu_bytes as f64 / 1e6),
+    ];
+    if !is_still {
+        rows.push(row("Late frames", "", &|it| {
+            it.summary.late_frames.to_string()
+        }));
+        rows.push(row("Incomplete frames", "", &|it| {
+            it.summary.incomplete_frames.to_string()
+        }));
+    }
+    rows.extend([
         over("Pixels, of full", Cost::Pixels, FULL),
         over("Pixels, of viewport", Cost::Pixels, VIEWPORT),
         over("Bytes, of full", Cost::Bytes, FULL),
         over("Bytes, of viewport", Cost::Bytes, VIEWPORT),
         over("Decoding time, of full", Cost::DecodeTime, FULL),
         over("Decoding time, of viewport", Cost::DecodeTime, VIEWPORT),
-    ]
+    ]);
+    rows
 }
 
 /// A score as it is written; a dash where there is none.

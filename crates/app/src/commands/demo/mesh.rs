@@ -2,7 +2,7 @@
 
 use crate::commands::demo::facts::size;
 use crate::commands::demo::mesh_run::{
-    LINK_BYTES, MOMENTS_S, Moment, Runs, SHARP, SceneRun, WATCHED,
+    LEVELS_S, LINK_BYTES, MOMENTS_S, Moment, Runs, SHARP, SceneRun, WATCHED,
 };
 use crate::commands::demo::part::{Card, Part, Plot, Row, Table, is_little, picture};
 use crate::commands::scene::prepare::{check_scene, prepare_usual};
@@ -46,7 +46,7 @@ pub(super) struct SceneFigures {
     /// Until the fovea was within 1 % of all detail; null where it never was.
     seconds_to_sharp: Option<f64>,
     bytes_to_sharp: Option<u64>,
-    seconds_of_uniform: Option<f64>,
+    time_of_uniform: Option<f64>,
     bytes_of_uniform: Option<f64>,
     moments: Vec<MomentFigures>,
 }
@@ -123,7 +123,7 @@ pub(super) fn by_policy(runs: &Runs) -> BTreeMap<&'static str, SceneFigures> {
     let figures = |run: &SceneRun| SceneFigures {
         seconds_to_sharp: run.sharp.map(|it| it.0),
         bytes_to_sharp: run.sharp.map(|it| it.1),
-        seconds_of_uniform: ratio(run, uniform, |it| it.0),
+        time_of_uniform: ratio(run, uniform, |it| it.0),
         bytes_of_uniform: ratio(run, uniform, |it| it.1 as f64),
         moments: run.moments.iter().map(MomentFigures::of).collect(),
     };
@@ -155,8 +155,12 @@ impl MomentFigures {
 
 /// The part of a scene that was watched.
 pub(super) fn part(scene: &PreparedScene, runs: &Runs) -> Part {
+    let what = match runs.triangles {
+        0 => "cloud",
+        _ => "mesh",
+    };
     Part {
-        title: format!("A scan through 4 Mbit/s: {}", scene.content.name),
+        title: format!("A {what} through 4 Mbit/s: {}", scene.content.name),
         facts: facts(scene, runs),
         cards: cards(runs),
         little: little(scene, runs),
@@ -204,19 +208,19 @@ fn facts(scene: &PreparedScene, runs: &Runs) -> String {
 
 fn cards(runs: &Runs) -> Vec<Card> {
     let [uniform, own] = &runs.runs;
-    let second = |run: &SceneRun| run.moments.iter().find(|it| it.t_s == 1.0).cloned();
+    let second = |run: &SceneRun| run.moments.iter().find(|it| it.t_s == LEVELS_S).cloned();
     let (of_uniform, of_own) = (
         second(uniform).unwrap_or_default(),
         second(own).unwrap_or_default(),
     );
     let detail = match runs.triangles {
         0 => Card {
-            name: "Units after 1 s",
+            name: "Units after 2 s",
             value: of_own.units.to_string(),
             notes: vec![format!("uniform {}", of_uniform.units)],
         },
         all => Card {
-            name: "Triangles after 1 s",
+            name: "Triangles after 2 s",
             value: thousands(of_own.triangles),
             notes: vec![
                 format!("uniform {}", thousands(of_uniform.triangles)),
@@ -244,7 +248,7 @@ fn cards(runs: &Runs) -> Vec<Card> {
             ],
         },
         Card {
-            name: "Score after 1 s",
+            name: "Score after 2 s",
             value: format!("{}&#8239;JOD", jod(&of_own)),
             notes: vec![
                 "against full, which is the source".to_owned(),
@@ -314,6 +318,11 @@ fn pictures(runs: &Runs) -> String {
         "All of it",
         "Every unit at its finest. The ring is 2.5° round the gaze.",
     );
+    if let Some(levels) = &own.levels {
+        let title = format!("{}, {LEVELS_S} s: levels", own.name);
+        let text = "What it bought, from red, the finest level, to blue.";
+        figures += &picture("", levels, &title, text);
+    }
     format!("<h3>At the same moments</h3>\n<div class=\"pictures\">\n{figures}</div>\n")
 }
 

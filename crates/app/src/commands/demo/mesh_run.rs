@@ -1,7 +1,7 @@
 //! What does a link bring of a scene, moment by moment?
 
 use crate::commands::demo::mesh::PreparedScene;
-use crate::commands::demo::pictures::{Png, png};
+use crate::commands::demo::pictures::{Png, narrowed, png};
 use crate::commands::scene::moving::{Mover, Standing};
 use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, display_of_view, from_image,
@@ -20,21 +20,29 @@ use foveal_core::view::surface::Projection;
 use foveal_eval::disc_error::{FOVEA_DEG, disc, error_over};
 use foveal_eval::score::{Mode, Viewing};
 use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
-use foveal_render::{DrawDevice, Overlay, RgbaImage};
+use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 
 /// Bytes a second of the link: 4 Mbit/s.
 pub(super) const LINK_BYTES: f64 = 5e5;
 /// When pictures are taken, in seconds.
 pub(super) const MOMENTS_S: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// When the levels are shown.
+pub(super) const LEVELS_S: f64 = 2.0;
 /// From this error on, of the luminance within the fovea, what the eye looks at is sharp.
 pub(super) const SHARP: f64 = 0.01;
 /// Time from one step to the next, in tenths of a second.
 const STEPS_A_SECOND: u32 = 10;
 /// Steps without anything new after which nothing more comes.
 const QUIET: u32 = 10;
+/// Widest picture in the report, in pixels.
+const SHOWN_WIDTH: u32 = 800;
 /// Bytes that the GPU may hold.
 const GPU_BYTES: u64 = 512_000_000;
+
+/// Field of view in which what stands all round would fill 80 % of the height: few scenes fill the
+/// sphere around them, so what is watched is a little narrower.
+const STANDS_FOR_DEG: f64 = 60.0;
 
 /// How a scene is watched.
 pub(super) struct Watching {
@@ -45,8 +53,8 @@ pub(super) struct Watching {
 }
 
 pub(super) const WATCHED: Watching = Watching {
-    fov_deg: 60.0,
-    size: [1280, 800],
+    fov_deg: 48.0,
+    size: [1000, 800],
     longest_s: 12.0,
 };
 
@@ -68,6 +76,8 @@ pub(super) struct SceneRun {
     /// Times of all steps in seconds, and the error in the fovea at each.
     pub(super) times: Vec<f64>,
     pub(super) errors: Vec<f64>,
+    /// Its levels at [`LEVELS_S`], as colours.
+    pub(super) levels: Option<Png>,
     /// Seconds and bytes until the fovea was sharp; `None` where it never was.
     pub(super) sharp: Option<(f64, u64)>,
 }
@@ -98,7 +108,7 @@ pub(super) fn watch(
     let ahead = EyeView {
         position: Default::default(),
         axes: Axes::FRONT,
-        field: Field::of_larger_side(Radians::from_degrees(WATCHED.fov_deg), size),
+        field: Field::of_larger_side(Radians::from_degrees(STANDS_FOR_DEG), size),
         size,
         eye: Default::default(),
     };
@@ -106,10 +116,13 @@ pub(super) fn watch(
     let route = (Route::Still, whole.scene().bounds());
     let gaze = GazeChoice::At(scene.content.gaze_deg());
     let mover = Mover::new(route, &gaze, 0, Seconds(0.0), &ViewerModel::default())?;
-    let standing = mover
-        .through(ahead)
-        .at(Seconds(0.0), &Parameters::default());
-    let view = standing.moment.views[0];
+    let mut mover = mover.through(ahead);
+    let mut standing = mover.at(Seconds(0.0), &Parameters::default());
+    let view = EyeView {
+        field: Field::of_larger_side(Radians::from_degrees(WATCHED.fov_deg), size),
+        ..standing.moment.views[0]
+    };
+    standing.moment.views = vec![view];
     whole.show(Seconds(0.0), &standing.moment)?;
     let reference = whole.picture(&view)?.context("nothing draws")?;
     let watched = Watched {
@@ -180,6 +193,7 @@ impl Watched<'_> {
             times: Vec::new(),
             errors: Vec::new(),
             sharp: None,
+            levels: None,
         };
         let (mut bytes, mut quiet) = (player.head_bytes(), 0);
         let mut errors = None;
@@ -205,6 +219,9 @@ impl Watched<'_> {
                     ..moment
                 });
             }
+            if t_s == LEVELS_S {
+                run.levels = self.levels(&mut player)?;
+            }
             errors = Some(found);
             bar.inc(1);
             if quiet >= QUIET && run.moments.len() == MOMENTS_S.len() {
@@ -219,6 +236,18 @@ impl Watched<'_> {
     fn picture(&self, player: &mut ScenePlayer) -> anyhow::Result<RgbaImage> {
         let picture = player.picture_in_place(&self.view)?;
         picture.context("nothing draws")
+    }
+
+    /// The same as the report shows it.
+    fn shown(&self, player: &mut ScenePlayer) -> anyhow::Result<RgbaImage> {
+        let picture = player.picture_in_place(&narrowed(&self.view, SHOWN_WIDTH))?;
+        picture.context("nothing draws")
+    }
+
+    /// The levels of what is there.
+    fn levels(&self, player: &mut ScenePlayer) -> anyhow::Result<Option<Png>> {
+        let picture = player.picture_of_levels(&narrowed(&self.view, SHOWN_WIDTH))?;
+        picture.as_ref().map(png).transpose()
     }
 
     fn errors(&self, picture: &RgbaImage) -> Errors {
@@ -260,18 +289,31 @@ impl Watched<'_> {
             units: report.units_by_level.iter().sum(),
             jod,
             psnr_db,
-            png: png(&image)?,
+            png: png(&self.shown(player)?)?,
             ..Moment::default()
         })
     }
 
     /// All of it, with a ring round the gaze.
     fn ringed(&self, whole: &mut ScenePlayer) -> anyhow::Result<Png> {
-        let ring = Overlay {
-            borders: 0.0,
-            ..marks(&self.view, &self.standing.gaze)
-        };
-        let picture = whole.drawer().picture(&self.view, Some(&ring))?;
-        png(&picture.context("nothing draws")?)
+        let view = narrowed(&self.view, SHOWN_WIDTH);
+        let mut picture = whole.picture(&view)?.context("nothing draws")?;
+        let ring = marks(&view, &self.standing.gaze);
+        draw_ring(&mut picture, ring.gaze, ring.gaze_radius);
+        png(&picture)
+    }
+}
+
+/// Draws a circle in white.
+fn draw_ring(image: &mut RgbaImage, [x, y]: [f32; 2], radius: f32) {
+    /// Half of how wide the line is, in pixels.
+    const HALF: f32 = 1.2;
+    for row in 0..image.size[1] {
+        for column in 0..image.size[0] {
+            let away = (column as f32 + 0.5 - x).hypot(row as f32 + 0.5 - y);
+            if (away - radius).abs() <= HALF {
+                image.set_pixel([column, row], [255; 4]);
+            }
+        }
     }
 }

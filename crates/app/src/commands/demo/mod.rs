@@ -42,7 +42,7 @@ use std::time::Instant;
 use subjects::{Subject, subjects};
 
 /// Bytes that the pictures of one part may have together, before they are written as text.
-const PICTURE_BYTES: usize = 4_200_000;
+const PICTURE_BYTES: usize = 2_600_000;
 
 #[derive(Clone, Debug, Args)]
 pub(crate) struct DemoArgs {

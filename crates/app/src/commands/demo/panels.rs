@@ -47,7 +47,7 @@ pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> anyhow::Result<Par
         .iter()
         .map(|panel| panel.size.map(u64::from).iter().product::<u64>())
         .sum();
-    let mut table = table(played, setup.chosen.name());
+    let mut table = table(played, setup);
     table.rows.insert(0, megapixels(played));
     let little = little_saved(played).map(|what| {
         format!(
@@ -56,7 +56,9 @@ pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> anyhow::Result<Par
         )
     });
     let facts = format!(
-        "They have {:.2} million pixels in all, turn with the head, and share one set of tiles.",
+        "The {} panels have {:.2} million pixels in all, turn with the head, and share one set \
+         of tiles.",
+        words(count).to_lowercase(),
         shown as f64 / 1e6
     );
     Ok(Part {
@@ -91,7 +93,7 @@ fn needed_card(together: f64, apart: f64) -> Card {
         value: format!("{:.2}&#8239;MPix", together / 1e6),
         notes: vec![
             "by all panels together, at their density (viewport)".to_owned(),
-            format!("{:.2} if each fetched its own", apart / 1e6),
+            format!("{:.2} MPix if each fetched its own", apart / 1e6),
         ],
     }
 }

@@ -168,7 +168,7 @@ pub(super) fn png(image: &RgbaImage) -> anyhow::Result<Png> {
 }
 
 /// The same view at fewer pixels, where it is wider than `width`.
-fn narrowed(view: &EyeView, width: u32) -> EyeView {
+pub(super) fn narrowed(view: &EyeView, width: u32) -> EyeView {
     let [w, h] = view.size;
     if w <= width {
         return *view;

@@ -56,6 +56,7 @@ pub(super) fn play(
     for (run, column) in played.runs.into_iter().zip(COLUMNS) {
         runs.push(run.finish(&out.join(format!("{name}-{column}")))?);
     }
+    runs[FOVEATED].summary.policy_chosen = Some(setup.chosen.name());
     let reports = &runs[FOVEATED].reports;
     let moment = PicturedMoment::choose(reports);
     output::say(&format!(
@@ -104,10 +105,6 @@ fn play_all(setup: &PlaySetup<'_>, name: &str) -> anyhow::Result<PlayedRuns> {
         }
         if let Some(judging) = judging.as_mut().filter(|it| it.is_due(picture)) {
             judging.judge(&mut runs, frame)?;
-        }
-        for report in runs.iter_mut().flat_map(|run| run.reports.iter_mut()) {
-            // Only one is drawn later, and that is played to again.
-            report.views.truncate(1);
         }
         bar.inc(1);
     }

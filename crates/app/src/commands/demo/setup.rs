@@ -2,7 +2,6 @@
 
 use crate::commands::demo::content::{FRAMES, Prepared};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
-use crate::options::hold::STILL_HZ;
 use crate::options::policy::ViewOptions;
 use crate::options::policy_of_pack::cheaper_policy;
 use crate::run::open_player::open_player;
@@ -16,6 +15,9 @@ use foveal_play::{Decoding, Player, PlayerOptions};
 use foveal_render::{DrawDevice, TileStyle};
 use std::sync::Arc;
 
+/// Pictures of a still, and how many are shown a second: two seconds, six fixations.
+const STILL_PICTURES: u32 = 24;
+const STILL_HZ: f64 = 12.0;
 /// Pixels per degree ahead of a headset's view, and its height over its width.
 const HEADSET_PPD: f64 = 22.0;
 const HEADSET_SHAPE: f64 = 0.625;
@@ -75,7 +77,7 @@ impl<'a> PlaySetup<'a> {
             view,
             chosen: chosen.unwrap_or(Policy::Perceptual),
             pictures: match about.is_still() {
-                true => FRAMES,
+                true => STILL_PICTURES,
                 false => about.frames.min(FRAMES),
             },
             shown: ShownFrames::new(about.frames, 0, Seconds(1.0 / STILL_HZ)),

@@ -6,7 +6,9 @@ use crate::commands::demo::figures::{Cost, frames, jod, ratio, rows};
 use crate::commands::demo::part::{Card, Plot, Table, is_little, picture};
 use crate::commands::demo::pictures::AMPLIFIED;
 use crate::commands::demo::run::{COLUMNS, FOVEATED, FULL, Played, VIEWPORT};
+use crate::commands::demo::setup::PlaySetup;
 use crate::report::plot::{PlotLine, PlottedRun, lines};
+use foveal_core::content::policy::DEFAULT_TARGET;
 use foveal_core::units::counted;
 
 /// What `auto` takes for a frame, over what the baselines take.
@@ -55,7 +57,10 @@ pub(super) fn score_card(played: &Played) -> Card {
         name: "Score",
         value: format!("{against_full}&#8239;JOD"),
         notes: vec![
-            format!("against full, {} judged", counted(played.judged, "frame")),
+            format!(
+                "against full, aims at {DEFAULT_TARGET}; {} judged",
+                counted(played.judged, "frame")
+            ),
             format!(
                 "{} against the source, of full {}",
                 jod(own.source_score.as_ref()),
@@ -166,10 +171,14 @@ pub(super) fn pixels_plot(played: &Played) -> Plot {
 }
 
 /// All figures of all policies.
-pub(super) fn table(played: &Played, rule: &str) -> Table {
+pub(super) fn table(played: &Played, setup: &PlaySetup<'_>) -> Table {
     Table {
-        title: format!("Figures of {} (auto is {rule} here)", frames(&played.runs)),
+        title: format!(
+            "Figures of {} (auto is {} here)",
+            frames(&played.runs),
+            setup.chosen.name()
+        ),
         columns: COLUMNS.to_vec(),
-        rows: rows(&played.runs),
+        rows: rows(&played.runs, setup.judged_fps().is_none()),
     }
 }
