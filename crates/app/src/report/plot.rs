@@ -12,7 +12,7 @@ const TITLE: f64 = 26.0;
 /// Margins: left for numbers, top, right for labels, bottom for time.
 const LEFT: f64 = 46.0;
 const TOP: f64 = 10.0;
-const RIGHT: f64 = 72.0;
+const RIGHT: f64 = 80.0;
 const BOTTOM: f64 = 34.0;
 /// Steps between numbers of an axis, at least this many.
 const STEPS: f64 = 4.0;

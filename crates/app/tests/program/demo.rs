@@ -46,7 +46,7 @@ fn show(folder: &Folder, inputs: &[&str]) -> (Value, String) {
         "--out",
         &out,
     ];
-    arguments.extend(["--panels", &rig]);
+    arguments.extend(["--panels", &rig, "--calibrate", "off"]);
     for input in inputs {
         arguments.extend(["--input", input]);
     }

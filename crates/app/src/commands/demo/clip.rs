@@ -1,23 +1,23 @@
 //! What does a flat film or picture gain, as it is?
 
-use crate::commands::demo::content::Prepared;
-use crate::commands::demo::facts::paragraphs;
-use crate::commands::demo::part::{Part, is_little};
-use crate::commands::demo::run::{FOVEATED, Played};
-use crate::commands::demo::setup::PlaySetup;
-use crate::commands::demo::video_part::{
+use crate::commands::demo::page::part::{ReportPart, is_little};
+use crate::commands::demo::video::common::{
     bytes_card, little_saved, pictures, pixels_card, pixels_plot, score_card, table, time_card,
 };
+use crate::commands::demo::video::content::Prepared;
+use crate::commands::demo::video::facts::paragraphs;
+use crate::commands::demo::video::run::{FOVEATED, Played};
+use crate::commands::demo::video::setup::PlaySetup;
 use foveal_core::view::surface::Screen;
 
 /// The part of a flat content that was played.
-pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> Part {
+pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> ReportPart {
     let content = setup.content;
     let what = match setup.judged_fps() {
         Some(_) => "clip",
         None => "picture",
     };
-    Part {
+    ReportPart {
         title: format!("A {what} as it is: {}", content.name),
         facts: paragraphs(content, &on(&setup.conditions.view.screen)),
         cards: vec![

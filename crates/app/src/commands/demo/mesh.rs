@@ -1,44 +1,25 @@
 //! How soon is a mesh or a cloud sharp that comes through a narrow link?
 
-use crate::commands::demo::facts::size;
-use crate::commands::demo::mesh_run::{
-    LEVELS_S, LINK_BYTES, MOMENTS_S, Moment, Runs, SHARP, SceneRun, WATCHED,
+use crate::commands::demo::page::part::{
+    Card, FigureRow, Plot, ReportPart, Table, is_little, picture,
 };
-use crate::commands::demo::part::{Card, Part, Plot, Row, Table, is_little, picture};
-use crate::commands::scene::prepare::{check_scene, prepare_usual};
+use crate::commands::demo::scene::content::PreparedScene;
+use crate::commands::demo::scene::watched::{
+    LEVELS_S, LINK_BYTES, LinkMoment, MOMENTS_S, Runs, SHARP, SceneRun, WATCHED,
+};
+use crate::commands::demo::video::facts::size;
 use crate::report::html::escape;
 use crate::report::output;
 use crate::report::plot::{PlotLine, PlottedRun, lines};
-use crate::run::mesh_file::ply;
+use crate::run::run_folder::LOG;
+use anyhow::Context;
 use foveal_core::units::counted;
-use foveal_media::pack::scene_file::SceneFile;
-use foveal_scene::generate::knot;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::path::Path;
 
-/// Vertices along and around the generated rope: twice as many triangles as their product.
-const KNOT: [u32; 2] = [2600, 144];
 /// A mesh that is there whole within this time needs no choice, in seconds.
 const SOON_S: f64 = 2.0;
-
-/// A 3D file to show.
-#[derive(Clone, Debug)]
-pub(super) struct SceneContent {
-    /// Name of its pack, without ending.
-    pub(super) name: String,
-    source: PathBuf,
-    is_drawn: bool,
-}
-
-/// A scene as a pack, and how it became one.
-pub(super) struct PreparedScene {
-    pub(super) content: SceneContent,
-    pub(super) file: Arc<SceneFile>,
-    took: Duration,
-}
 
 /// What one policy brought, as the demo prints it.
 #[derive(Debug, Serialize)]
@@ -64,57 +45,15 @@ struct MomentFigures {
     jod: Option<f64>,
 }
 
-impl SceneContent {
-    /// A file of the user's.
-    pub(super) fn file(name: String, source: PathBuf) -> Self {
-        Self {
-            name,
-            source,
-            is_drawn: false,
-        }
+/// Writes the logs of both policies into folders of their own under `out`.
+pub(super) fn write_logs(scene: &PreparedScene, runs: &Runs, out: &Path) -> anyhow::Result<()> {
+    for run in &runs.runs {
+        let folder = out.join(format!("{}-{}", scene.content.name, run.name));
+        std::fs::create_dir_all(&folder)
+            .with_context(|| format!("{}: the folder cannot be made", folder.display()))?;
+        output::write_whole(&folder.join(LOG), run.log.as_bytes())?;
     }
-
-    /// A knot that is drawn under `out`.
-    pub(super) fn knot(out: &Path) -> Self {
-        Self {
-            name: "knot".to_owned(),
-            source: out.join("knot.ply"),
-            is_drawn: true,
-        }
-    }
-
-    /// Refuses a file that cannot be read.
-    pub(super) fn check(&self) -> anyhow::Result<()> {
-        match self.is_drawn {
-            true => Ok(()),
-            false => check_scene(&self.source),
-        }
-    }
-
-    /// Makes a pack under `out`, or finds that the one there is still good.
-    pub(super) fn prepare(&self, out: &Path) -> anyhow::Result<PreparedScene> {
-        let begun = Instant::now();
-        if self.is_drawn {
-            let [along, around] = KNOT;
-            output::write_whole(&self.source, &ply(&knot(along, around)))?;
-        }
-        let pack = out.join(format!("{}.foveal", self.name));
-        prepare_usual(&self.source, &pack)?;
-        Ok(PreparedScene {
-            content: self.clone(),
-            file: Arc::new(SceneFile::open(&pack)?),
-            took: begun.elapsed(),
-        })
-    }
-
-    /// Where a viewer of it looks, in degrees to the right and up of its middle: a knot has a hole
-    /// there.
-    pub(super) fn gaze_deg(&self) -> [f64; 2] {
-        match self.is_drawn {
-            true => [9.0, 6.0],
-            false => [0.0, 0.0],
-        }
-    }
+    Ok(())
 }
 
 /// The figures of both policies, by name.
@@ -139,7 +78,7 @@ fn ratio(run: &SceneRun, other: &SceneRun, of: fn((f64, u64)) -> f64) -> Option<
 }
 
 impl MomentFigures {
-    fn of(moment: &Moment) -> Self {
+    fn of(moment: &LinkMoment) -> Self {
         Self {
             t_s: moment.t_s,
             bytes: moment.bytes,
@@ -154,12 +93,12 @@ impl MomentFigures {
 }
 
 /// The part of a scene that was watched.
-pub(super) fn part(scene: &PreparedScene, runs: &Runs) -> Part {
+pub(super) fn part(scene: &PreparedScene, runs: &Runs) -> ReportPart {
     let what = match runs.triangles {
         0 => "cloud",
         _ => "mesh",
     };
-    Part {
+    ReportPart {
         title: format!("A {what} through 4 Mbit/s: {}", scene.content.name),
         facts: facts(scene, runs),
         cards: cards(runs),
@@ -198,8 +137,8 @@ fn facts(scene: &PreparedScene, runs: &Runs) -> String {
         "<p>{}</p>\n<p class=\"soft\">{}</p>\n<p class=\"soft\">The link brings 4 Mbit/s without \
          loss or delay. <code>uniform</code> buys what the view resolves, <code>perceptual</code> \
          what the eye resolves where it looks. The picture of all units is both full and source: \
-         the finest level is the source’s own shape, on a grid of 14 bits. The judge was made for \
-         video, and its scores of such stills have not been checked with viewers; PSNR and the \
+         the finest level is the source’s own shape, on a grid of 14 bits. The judge was made \
+         for video, and its scores of such stills have not been checked with viewers; PSNR and the \
          error of luminance stand next to them in the table.</p>\n",
         escape(&shown),
         escape(&pack)
@@ -228,7 +167,7 @@ fn cards(runs: &Runs) -> Vec<Card> {
             ],
         },
     };
-    let jod = |moment: &Moment| moment.jod.map_or("–".to_owned(), |jod| format!("{jod:.2}"));
+    let jod = |moment: &LinkMoment| moment.jod.map_or("–".to_owned(), |jod| format!("{jod:.2}"));
     vec![
         detail,
         Card {
@@ -357,7 +296,7 @@ fn plot(runs: &Runs) -> Plot {
 
 fn table(runs: &Runs) -> Table {
     let [uniform, own] = &runs.runs;
-    let both = |what: String, unit, cell: &dyn Fn(&SceneRun) -> String| Row {
+    let both = |what: String, unit, cell: &dyn Fn(&SceneRun) -> String| FigureRow {
         what,
         unit,
         cells: vec![cell(uniform), cell(own)],
@@ -375,7 +314,7 @@ fn table(runs: &Runs) -> Table {
         }),
     ];
     for (at, t_s) in MOMENTS_S.into_iter().enumerate() {
-        rows.push(Row {
+        rows.push(FigureRow {
             opens_group: true,
             ..both(format!("After {t_s} s: score"), "JOD", &|run| {
                 known(run.moments[at].jod, 2)

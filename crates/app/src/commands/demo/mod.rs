@@ -3,43 +3,36 @@
 //! Every content is prepared, played headless over one gaze, and shown as a part of one page:
 //! cards, pictures of a moment, a plot over time, and a table of the same run.
 
-mod atlas_sheet;
 mod clip;
-mod colours;
-mod content;
-mod facts;
-mod figures;
-mod judging;
 pub(crate) mod machine;
 mod mesh;
-mod mesh_run;
-mod moment;
+mod page;
 mod panels;
-mod part;
-mod pictures;
-mod report;
-mod run;
-mod setup;
+mod scene;
 mod sphere;
 mod subjects;
-mod video_part;
+mod video;
 
+use crate::commands::prepare::CalibrateName;
 use crate::options::policy::ViewOptions;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output;
 use anyhow::{Context, bail};
 use clap::Args;
-use content::Prepared;
-use figures::PolicyFigures;
 use machine::Machine;
 use mesh::SceneFigures;
-use part::Part;
+use page::part::ReportPart;
+use page::report;
+use scene::watched::watch;
 use serde::Serialize;
-use setup::{DemoConditions, PlaySetup};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use subjects::{Subject, subjects};
+use subjects::{DemoSubject, subjects};
+use video::content::Prepared;
+use video::figures::{self, PolicyFigures};
+use video::run::play;
+use video::setup::{DemoConditions, PlaySetup};
 
 /// Bytes that the pictures of one part may have together, before they are written as text.
 const PICTURE_BYTES: usize = 2_600_000;
@@ -58,6 +51,10 @@ pub(crate) struct DemoArgs {
     /// The rig whose left panels show spheres (default: one of twelve).
     #[arg(long, value_name = "RIG")]
     panels: Option<PathBuf>,
+    /// Judge films and pictures once more for what auto chooses by, as prepare does: about 20 s
+    /// each.
+    #[arg(long, value_enum, default_value = "usual")]
+    calibrate: CalibrateName,
     #[command(flatten)]
     view: ViewOptions,
     /// What draws the pictures.
@@ -89,7 +86,7 @@ struct Summary<'a> {
 /// What was shown so far.
 #[derive(Default)]
 struct Shown {
-    parts: Vec<Part>,
+    parts: Vec<ReportPart>,
     packs: Vec<PathBuf>,
     contents: Figures<PolicyFigures>,
     panels: Figures<PolicyFigures>,
@@ -101,7 +98,7 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
         bail!("--renderer none draws no pictures for the report; give gpu or cpu");
     }
     let subjects = subjects(&args.input, args.clip.as_deref(), &args.out)?;
-    subjects.iter().try_for_each(Subject::check)?;
+    subjects.iter().try_for_each(DemoSubject::check)?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("--out {}: the folder cannot be made", args.out.display()))?;
     let drawing = open_device(args.renderer)?;
@@ -114,17 +111,18 @@ pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     for subject in &subjects {
         let begun = Instant::now();
         match subject {
-            Subject::Video(video) => {
-                let content = video.prepare(&args.out)?;
+            DemoSubject::Video(video) => {
+                let content = video.prepare(&args.out, args.calibrate.extent())?;
                 args.video(&content, &conditions, (&mut shown, begun))?;
                 let about = content.file.pack().description();
                 if about.projection.surrounds() {
                     spheres.push(content);
                 }
             }
-            Subject::Scene(scene) => {
+            DemoSubject::Scene(scene) => {
                 let scene = scene.prepare(&args.out)?;
-                let runs = mesh_run::watch(&scene, &drawing, args.view.view)?;
+                let runs = watch(&scene, &drawing, args.view.view)?;
+                mesh::write_logs(&scene, &runs, &args.out)?;
                 shown.add(mesh::part(&scene, &runs), begun);
                 shown.packs.push(scene.file.path().to_owned());
                 let name = scene.content.name.clone();
@@ -147,7 +145,7 @@ impl DemoArgs {
         (shown, begun): (&mut Shown, Instant),
     ) -> anyhow::Result<()> {
         let setup = PlaySetup::new(content, conditions, Vec::new())?;
-        let played = run::play(&setup, (&self.out, &content.name), PICTURE_BYTES)?;
+        let played = play(&setup, (&self.out, &content.name), PICTURE_BYTES)?;
         let about = content.file.pack().description();
         let part = match about.projection.surrounds() {
             true => sphere::part(&setup, &played),
@@ -171,7 +169,7 @@ impl DemoArgs {
         let panels = panels::panels(self.panels.as_deref(), &self.out)?;
         let setup = PlaySetup::new(content, conditions, panels)?;
         let name = format!("{}-panels", content.name);
-        let played = run::play(&setup, (&self.out, &name), PICTURE_BYTES)?;
+        let played = play(&setup, (&self.out, &name), PICTURE_BYTES)?;
         shown.add(panels::part(&setup, &played)?, begun);
         let figures = figures::by_policy(played);
         shown.panels.insert(content.name.clone(), figures);
@@ -203,8 +201,8 @@ impl DemoArgs {
 
 impl Shown {
     /// Adds a part that was begun at a time.
-    fn add(&mut self, part: Part, begun: Instant) {
-        self.parts.push(Part {
+    fn add(&mut self, part: ReportPart, begun: Instant) {
+        self.parts.push(ReportPart {
             took_s: begun.elapsed().as_secs_f64(),
             ..part
         });

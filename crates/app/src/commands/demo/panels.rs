@@ -1,12 +1,12 @@
 //! What do the panels of a rig need of one source?
 
-use crate::commands::demo::facts::paragraphs;
-use crate::commands::demo::part::{Card, Part, Row};
-use crate::commands::demo::run::{FOVEATED, Played, VIEWPORT};
-use crate::commands::demo::setup::PlaySetup;
-use crate::commands::demo::video_part::{
+use crate::commands::demo::page::part::{Card, FigureRow, ReportPart};
+use crate::commands::demo::video::common::{
     bytes_card, little_saved, percent, pictures, pixels_plot, score_card, table, time_card,
 };
+use crate::commands::demo::video::facts::paragraphs;
+use crate::commands::demo::video::run::{FOVEATED, Played, VIEWPORT};
+use crate::commands::demo::video::setup::PlaySetup;
 use crate::options::panels::around_the_head;
 use crate::report::output;
 use anyhow::Context;
@@ -37,7 +37,7 @@ pub(super) fn panels(rig: Option<&Path>, out: &Path) -> anyhow::Result<Vec<Mount
 }
 
 /// The part of a sphere that was played on panels.
-pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> anyhow::Result<Part> {
+pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> anyhow::Result<ReportPart> {
     let content = setup.content;
     let apart = apart(setup, played.moment.frame)?;
     let needed = mean_pixels(played, VIEWPORT);
@@ -61,7 +61,7 @@ pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> anyhow::Result<Par
         words(count).to_lowercase(),
         shown as f64 / 1e6
     );
-    Ok(Part {
+    Ok(ReportPart {
         title: format!("{} panels from one source: {}", words(count), content.name),
         facts: paragraphs(content, &facts),
         cards: vec![
@@ -121,9 +121,9 @@ fn mean_pixels(played: &Played, run: usize) -> f64 {
     sum as f64 / reports.len().max(1) as f64
 }
 
-fn megapixels(played: &Played) -> Row {
+fn megapixels(played: &Played) -> FigureRow {
     let cell = |run| format!("{:.2}", mean_pixels(played, run) / 1e6);
-    Row {
+    FigureRow {
         what: "Pixels a frame, mean".to_owned(),
         unit: "MPix",
         cells: (0..played.runs.len()).map(cell).collect(),

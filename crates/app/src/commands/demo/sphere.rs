@@ -1,16 +1,16 @@
 //! What does a sphere gain in a headset?
 
-use crate::commands::demo::facts::paragraphs;
-use crate::commands::demo::part::Part;
-use crate::commands::demo::run::Played;
-use crate::commands::demo::setup::PlaySetup;
-use crate::commands::demo::video_part::{
+use crate::commands::demo::page::part::ReportPart;
+use crate::commands::demo::video::common::{
     bytes_card, little_saved, pictures, pixels_card, pixels_plot, score_card, table, time_card,
 };
+use crate::commands::demo::video::facts::paragraphs;
+use crate::commands::demo::video::run::Played;
+use crate::commands::demo::video::setup::PlaySetup;
 use foveal_core::view::eye_view::EyeView;
 
 /// The part of a sphere that was played.
-pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> Part {
+pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> ReportPart {
     let content = setup.content;
     let what = match setup.judged_fps() {
         Some(_) => "film all round",
@@ -22,7 +22,7 @@ pub(super) fn part(setup: &PlaySetup<'_>, played: &Played) -> Part {
              density: <code>auto</code> takes nearly as many {what} as <code>viewport</code>"
         )
     });
-    Part {
+    ReportPart {
         title: format!("A {what} in a headset: {}", content.name),
         facts: paragraphs(content, &seen(&setup.views()[0])),
         cards: vec![

@@ -1,18 +1,18 @@
 //! Which contents does the demo show, in which order?
 
-use crate::commands::demo::content::VideoContent;
-use crate::commands::demo::mesh::SceneContent;
+use crate::commands::demo::scene::content::SceneContent;
+use crate::commands::demo::video::content::VideoContent;
 use foveal_scene::read::is_scene_file;
 use std::path::{Path, PathBuf};
 
 /// One thing to show.
 #[derive(Debug)]
-pub(super) enum Subject {
+pub(super) enum DemoSubject {
     Video(VideoContent),
     Scene(SceneContent),
 }
 
-impl Subject {
+impl DemoSubject {
     /// Refuses an input that cannot be prepared, before anything long begins.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         match self {
@@ -35,7 +35,7 @@ pub(super) fn subjects(
     inputs: &[PathBuf],
     clip: Option<&Path>,
     out: &Path,
-) -> anyhow::Result<Vec<Subject>> {
+) -> anyhow::Result<Vec<DemoSubject>> {
     if inputs.is_empty() {
         let (sphere, mesh) = (VideoContent::sphere(out), SceneContent::knot(out));
         let first = match clip {
@@ -46,16 +46,19 @@ pub(super) fn subjects(
                 VideoContent::file(unused_name(clip, &taken), clip.to_owned())
             }
         };
-        let videos = [first, sphere].map(Subject::Video);
-        return Ok(videos.into_iter().chain([Subject::Scene(mesh)]).collect());
+        let videos = [first, sphere].map(DemoSubject::Video);
+        return Ok(videos
+            .into_iter()
+            .chain([DemoSubject::Scene(mesh)])
+            .collect());
     }
     let (mut all, mut names) = (Vec::new(), Vec::new());
     for input in inputs {
         let name = unused_name(input, &names);
         names.push(name.clone());
         all.push(match is_scene_file(input) {
-            true => Subject::Scene(SceneContent::file(name, input.clone())),
-            false => Subject::Video(VideoContent::file(name, input.clone())),
+            true => DemoSubject::Scene(SceneContent::file(name, input.clone())),
+            false => DemoSubject::Video(VideoContent::file(name, input.clone())),
         });
     }
     Ok(all)

@@ -136,8 +136,8 @@ pub(crate) fn check_scene(input: &Path) -> anyhow::Result<()> {
     PrepareSceneArgs::usual(input, input).read().map(|_| ())
 }
 
-/// Makes a pack of a 3D file with the usual settings at `out`, in the place of any other pack there,
-/// unless that was made in the same way.
+/// Makes a pack of a 3D file with the usual settings at `out`, in the place of any other pack
+/// there, unless that was made in the same way.
 pub(crate) fn prepare_usual(input: &Path, out: &Path) -> anyhow::Result<()> {
     let args = PrepareSceneArgs::usual(input, out);
     let source = args.read()?;

@@ -1,7 +1,7 @@
 //! What does a link bring of a scene, moment by moment?
 
-use crate::commands::demo::mesh::PreparedScene;
-use crate::commands::demo::pictures::{Png, narrowed, png};
+use crate::commands::demo::scene::content::PreparedScene;
+use crate::commands::demo::video::pictures::{Png, narrowed, png};
 use crate::commands::scene::moving::{Mover, Standing};
 use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, display_of_view, from_image,
@@ -24,13 +24,13 @@ use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
 
 /// Bytes a second of the link: 4 Mbit/s.
-pub(super) const LINK_BYTES: f64 = 5e5;
+pub(crate) const LINK_BYTES: f64 = 5e5;
 /// When pictures are taken, in seconds.
-pub(super) const MOMENTS_S: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+pub(crate) const MOMENTS_S: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// When the levels are shown.
-pub(super) const LEVELS_S: f64 = 2.0;
+pub(crate) const LEVELS_S: f64 = 2.0;
 /// From this error on, of the luminance within the fovea, what the eye looks at is sharp.
-pub(super) const SHARP: f64 = 0.01;
+pub(crate) const SHARP: f64 = 0.01;
 /// Time from one step to the next, in tenths of a second.
 const STEPS_A_SECOND: u32 = 10;
 /// Steps without anything new after which nothing more comes.
@@ -45,61 +45,63 @@ const GPU_BYTES: u64 = 512_000_000;
 const STANDS_FOR_DEG: f64 = 60.0;
 
 /// How a scene is watched.
-pub(super) struct Watching {
-    pub(super) fov_deg: f64,
+pub(crate) struct WatchTerms {
+    pub(crate) fov_deg: f64,
     /// Pixels of a view that is not given.
     size: [u32; 2],
-    pub(super) longest_s: f64,
+    pub(crate) longest_s: f64,
 }
 
-pub(super) const WATCHED: Watching = Watching {
-    fov_deg: 48.0,
+pub(crate) const WATCHED: WatchTerms = WatchTerms {
+    fov_deg: 52.0,
     size: [1000, 800],
     longest_s: 12.0,
 };
 
 /// Both policies over the same link.
-pub(super) struct Runs {
+pub(crate) struct Runs {
     /// `uniform`, then `perceptual`.
-    pub(super) runs: [SceneRun; 2],
-    pub(super) view: EyeView,
+    pub(crate) runs: [SceneRun; 2],
+    pub(crate) view: EyeView,
     /// Triangles of everything that is in view, at its finest; 0 of clouds.
-    pub(super) triangles: u64,
+    pub(crate) triangles: u64,
     /// All of it, with a ring round the gaze.
-    pub(super) whole: Png,
+    pub(crate) whole: Png,
 }
 
 /// What came under one policy.
-pub(super) struct SceneRun {
-    pub(super) name: &'static str,
-    pub(super) moments: Vec<Moment>,
+pub(crate) struct SceneRun {
+    pub(crate) name: &'static str,
+    pub(crate) moments: Vec<LinkMoment>,
     /// Times of all steps in seconds, and the error in the fovea at each.
-    pub(super) times: Vec<f64>,
-    pub(super) errors: Vec<f64>,
+    pub(crate) times: Vec<f64>,
+    pub(crate) errors: Vec<f64>,
+    /// What was chosen, as docs/formats/session.md has it.
+    pub(crate) log: String,
     /// Its levels at [`LEVELS_S`], as colours.
-    pub(super) levels: Option<Png>,
+    pub(crate) levels: Option<Png>,
     /// Seconds and bytes until the fovea was sharp; `None` where it never was.
-    pub(super) sharp: Option<(f64, u64)>,
+    pub(crate) sharp: Option<(f64, u64)>,
 }
 
 /// One of [`MOMENTS_S`].
 #[derive(Clone, Default)]
-pub(super) struct Moment {
-    pub(super) t_s: f64,
-    pub(super) bytes: u64,
-    pub(super) triangles: u64,
-    pub(super) units: u32,
-    pub(super) error_fovea: Option<f64>,
-    pub(super) error_all: f64,
+pub(crate) struct LinkMoment {
+    pub(crate) t_s: f64,
+    pub(crate) bytes: u64,
+    pub(crate) triangles: u64,
+    pub(crate) units: u32,
+    pub(crate) error_fovea: Option<f64>,
+    pub(crate) error_all: f64,
     /// Null of equal pictures.
-    pub(super) psnr_db: Option<f64>,
+    pub(crate) psnr_db: Option<f64>,
     /// `None` where no display shows the view.
-    pub(super) jod: Option<f64>,
-    pub(super) png: Png,
+    pub(crate) jod: Option<f64>,
+    pub(crate) png: Png,
 }
 
 /// Watches a scene under both policies.
-pub(super) fn watch(
+pub(crate) fn watch(
     scene: &PreparedScene,
     drawing: &DrawDevice,
     size: Option<[u32; 2]>,
@@ -194,6 +196,7 @@ impl Watched<'_> {
             errors: Vec::new(),
             sharp: None,
             levels: None,
+            log: String::new(),
         };
         let (mut bytes, mut quiet) = (player.head_bytes(), 0);
         let mut errors = None;
@@ -213,7 +216,7 @@ impl Watched<'_> {
             }
             if MOMENTS_S.contains(&t_s) {
                 let moment = self.moment(&mut player, (t_s, bytes), &report)?;
-                run.moments.push(Moment {
+                run.moments.push(LinkMoment {
                     error_fovea: found.fovea,
                     error_all: found.all,
                     ..moment
@@ -229,6 +232,7 @@ impl Watched<'_> {
             }
         }
         bar.finish_and_clear();
+        player.log().clone_into(&mut run.log);
         Ok(run)
     }
 
@@ -267,7 +271,7 @@ impl Watched<'_> {
         player: &mut ScenePlayer,
         (t_s, bytes): (f64, u64),
         report: &SceneReport,
-    ) -> anyhow::Result<Moment> {
+    ) -> anyhow::Result<LinkMoment> {
         let image = self.picture(player)?;
         let display = display_of_view(&self.view, Projection::Cube);
         let viewing = Viewing::new(display, self.view.size, None, true, Mode::Compat).ok();
@@ -282,7 +286,7 @@ impl Watched<'_> {
             jod = Some(engine.score()?.jod);
             psnr_db = companions.totals().psnr_db;
         }
-        Ok(Moment {
+        Ok(LinkMoment {
             t_s,
             bytes,
             triangles: player.drawer().triangles_drawn(),
@@ -290,7 +294,7 @@ impl Watched<'_> {
             jod,
             psnr_db,
             png: png(&self.shown(player)?)?,
-            ..Moment::default()
+            ..LinkMoment::default()
         })
     }
 

@@ -1,6 +1,6 @@
 //! How is one content set up to be played, the same for every policy?
 
-use crate::commands::demo::content::{FRAMES, Prepared};
+use crate::commands::demo::video::content::{FRAMES, Prepared};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::policy::ViewOptions;
 use crate::options::policy_of_pack::cheaper_policy;
@@ -23,10 +23,10 @@ const HEADSET_PPD: f64 = 22.0;
 const HEADSET_SHAPE: f64 = 0.625;
 
 /// How all content is played.
-pub(super) struct DemoConditions<'a> {
-    pub(super) view: &'a ViewOptions,
-    pub(super) drawing: &'a DrawDevice,
-    pub(super) seed: u64,
+pub(crate) struct DemoConditions<'a> {
+    pub(crate) view: &'a ViewOptions,
+    pub(crate) drawing: &'a DrawDevice,
+    pub(crate) seed: u64,
 }
 
 impl DemoConditions<'_> {
@@ -43,22 +43,22 @@ impl DemoConditions<'_> {
 }
 
 /// What every run of one content shares.
-pub(super) struct PlaySetup<'a> {
-    pub(super) content: &'a Prepared,
-    pub(super) conditions: &'a DemoConditions<'a>,
+pub(crate) struct PlaySetup<'a> {
+    pub(crate) content: &'a Prepared,
+    pub(crate) conditions: &'a DemoConditions<'a>,
     /// What shows it in the place of one view, if anything.
-    pub(super) panels: Vec<MountedPanel>,
+    pub(crate) panels: Vec<MountedPanel>,
     /// What `auto` chose.
-    pub(super) chosen: Policy,
+    pub(crate) chosen: Policy,
     /// How many pictures are played.
-    pub(super) pictures: u32,
-    pub(super) shown: ShownFrames,
+    pub(crate) pictures: u32,
+    pub(crate) shown: ShownFrames,
     view: EyeView,
 }
 
 impl<'a> PlaySetup<'a> {
     /// In one view, or on panels where there are any.
-    pub(super) fn new(
+    pub(crate) fn new(
         content: &'a Prepared,
         conditions: &'a DemoConditions<'a>,
         panels: Vec<MountedPanel>,
@@ -85,7 +85,7 @@ impl<'a> PlaySetup<'a> {
     }
 
     /// What shows it, while the head looks ahead.
-    pub(super) fn views(&self) -> Vec<EyeView> {
+    pub(crate) fn views(&self) -> Vec<EyeView> {
         match self.panels.as_slice() {
             [] => vec![self.view],
             panels => MountedPanel::views(panels, &Default::default(), Default::default()),
@@ -93,13 +93,13 @@ impl<'a> PlaySetup<'a> {
     }
 
     /// Pictures a second; `None` of a still, whose pictures are judged one by one.
-    pub(super) fn judged_fps(&self) -> Option<f64> {
+    pub(crate) fn judged_fps(&self) -> Option<f64> {
         let about = self.content.file.pack().description();
         (!about.is_still()).then(|| about.fps())
     }
 
     /// A player at the first frame, and the gaze that all runs follow.
-    pub(super) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
+    pub(crate) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
         let player = self.player_on(policy, self.panels.clone())?;
         let surface = player.grid().surface;
         let length = self.shown.time(self.pictures - 1, &player);
@@ -114,7 +114,7 @@ impl<'a> PlaySetup<'a> {
     }
 
     /// A player whose content is shown on these panels, or in the view where there are none.
-    pub(super) fn player_on(
+    pub(crate) fn player_on(
         &self,
         policy: Policy,
         panels: Vec<MountedPanel>,

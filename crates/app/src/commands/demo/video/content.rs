@@ -1,6 +1,7 @@
 //! What video does the demo play, and what of it is left from an earlier run?
 
 use crate::report::output;
+use crate::run::calibrate::CalibrationExtent;
 use crate::run::kept_pack::{calibrate_in_place, kept, plan_of, write_pack};
 use crate::run::scene_clip::{write_scene, write_still};
 use anyhow::bail;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Most frames that are prepared and played of every film.
-pub(super) const FRAMES: u32 = 64;
+pub(crate) const FRAMES: u32 = 64;
 /// Pixels of the generated still sphere, equirectangular.
 const SPHERE_SIZE: [u32; 2] = [8192, 4096];
 /// Pixels of the generated flat film.
@@ -24,9 +25,9 @@ const SAMPLE_LICENCE: &str = "Big Buck Bunny, (c) Blender Foundation, CC BY 3.0"
 
 /// A film or a picture to play.
 #[derive(Clone, Debug)]
-pub(super) struct VideoContent {
+pub(crate) struct VideoContent {
     /// Name of its pack and folders, without ending; no two share one.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// The file.
     source: PathBuf,
     /// What draws that file, if the demo does.
@@ -41,23 +42,23 @@ enum Drawn {
 }
 
 /// Content as a pack, and how it became one.
-pub(super) struct Prepared {
-    pub(super) name: String,
-    pub(super) source: PathBuf,
-    pub(super) file: Arc<PackFile>,
+pub(crate) struct Prepared {
+    pub(crate) name: String,
+    pub(crate) source: PathBuf,
+    pub(crate) file: Arc<PackFile>,
     /// The licence, where it must be named.
-    pub(super) licence: Option<&'static str>,
+    pub(crate) licence: Option<&'static str>,
     /// Whether the program drew it.
-    pub(super) generated: bool,
+    pub(crate) generated: bool,
     /// How long preparing took; `None` when the pack of an earlier run was still good.
-    pub(super) took: Option<Duration>,
+    pub(crate) took: Option<Duration>,
     /// How it was prepared: what `auto` found and what is lost.
-    pub(super) plan: PreparationPlan,
+    pub(crate) plan: PreparationPlan,
 }
 
 impl VideoContent {
     /// A file of the user's.
-    pub(super) fn file(name: String, source: PathBuf) -> Self {
+    pub(crate) fn file(name: String, source: PathBuf) -> Self {
         Self {
             name,
             source,
@@ -66,7 +67,7 @@ impl VideoContent {
     }
 
     /// A flat film that is drawn under `out`.
-    pub(super) fn wide(out: &Path) -> Self {
+    pub(crate) fn wide(out: &Path) -> Self {
         let scene = GeneratedScene::wide(WIDE_SIZE);
         Self {
             name: "generated-wide".to_owned(),
@@ -76,7 +77,7 @@ impl VideoContent {
     }
 
     /// A still sphere that is drawn under `out`.
-    pub(super) fn sphere(out: &Path) -> Self {
+    pub(crate) fn sphere(out: &Path) -> Self {
         let scene = GeneratedScene::panorama(SPHERE_SIZE);
         Self {
             name: "generated-360".to_owned(),
@@ -86,7 +87,7 @@ impl VideoContent {
     }
 
     /// Refuses an input that cannot be prepared, before anything long begins.
-    pub(super) fn check(&self) -> anyhow::Result<()> {
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
         if self.drawn.is_none() {
             self.plan()?;
         }
@@ -94,7 +95,7 @@ impl VideoContent {
     }
 
     /// Refuses a file that the demo is about to draw.
-    pub(super) fn check_not(&self, input: &Path) -> anyhow::Result<()> {
+    pub(crate) fn check_not(&self, input: &Path) -> anyhow::Result<()> {
         if let (Ok(a), Ok(b)) = (input.canonicalize(), self.source.canonicalize())
             && a == b
         {
@@ -106,8 +107,13 @@ impl VideoContent {
         Ok(())
     }
 
-    /// Makes a calibrated pack under `out`, or finds that the one there is still good.
-    pub(super) fn prepare(&self, out: &Path) -> anyhow::Result<Prepared> {
+    /// Makes a pack under `out`, as far calibrated as is asked for, or finds that the one there is
+    /// still good.
+    pub(crate) fn prepare(
+        &self,
+        out: &Path,
+        calibrated: Option<CalibrationExtent>,
+    ) -> anyhow::Result<Prepared> {
         let pack = out.join(format!("{}.foveal", self.name));
         let begun = Instant::now();
         let kept = kept(&self.source, &pack, &settings()?);
@@ -125,7 +131,9 @@ impl VideoContent {
                 plan
             }
         };
-        calibrate_in_place(&pack)?;
+        if let Some(extent) = calibrated {
+            calibrate_in_place(&pack, extent)?;
+        }
         let file = PackFile::open(&pack)?;
         let source = &plan.description.source;
         let is_sample = source.name == SAMPLE && source.bytes == SAMPLE_BYTES;
@@ -155,19 +163,19 @@ impl VideoContent {
 
 impl Prepared {
     /// Frames that are played.
-    pub(super) fn frames(&self) -> u32 {
+    pub(crate) fn frames(&self) -> u32 {
         self.file.pack().description().frames
     }
 
     /// Whether the source has more frames than are played.
-    pub(super) fn is_cut_short(&self) -> bool {
+    pub(crate) fn is_cut_short(&self) -> bool {
         let all = self.plan.frames;
         all.is_none_or(|of| of > u64::from(FRAMES)) && self.frames() == FRAMES
     }
 
     /// Bytes of the source file for the time that is played; `None` of what the demo drew, and
     /// where the file does not say how long it is.
-    pub(super) fn source_bytes(&self) -> Option<f64> {
+    pub(crate) fn source_bytes(&self) -> Option<f64> {
         let all = self.plan.frames.filter(|_| !self.generated)?;
         let share = f64::from(self.frames()) / all.max(1) as f64;
         Some(self.plan.description.source.bytes as f64 * share.min(1.0))

@@ -1,18 +1,18 @@
 //! What do the parts of films and pictures have in common?
 
-use crate::commands::demo::colours;
-use crate::commands::demo::content::Prepared;
-use crate::commands::demo::figures::{Cost, frames, jod, ratio, rows};
-use crate::commands::demo::part::{Card, Plot, Table, is_little, picture};
-use crate::commands::demo::pictures::AMPLIFIED;
-use crate::commands::demo::run::{COLUMNS, FOVEATED, FULL, Played, VIEWPORT};
-use crate::commands::demo::setup::PlaySetup;
+use crate::commands::demo::page::part::{Card, Plot, Table, is_little, picture};
+use crate::commands::demo::video::colours;
+use crate::commands::demo::video::content::Prepared;
+use crate::commands::demo::video::figures::{Cost, frames, jod, ratio, rows};
+use crate::commands::demo::video::pictures::AMPLIFIED;
+use crate::commands::demo::video::run::{COLUMNS, FOVEATED, FULL, Played, VIEWPORT};
+use crate::commands::demo::video::setup::PlaySetup;
 use crate::report::plot::{PlotLine, PlottedRun, lines};
 use foveal_core::content::policy::DEFAULT_TARGET;
 use foveal_core::units::counted;
 
 /// What `auto` takes for a frame, over what the baselines take.
-pub(super) fn pixels_card(played: &Played) -> Card {
+pub(crate) fn pixels_card(played: &Played) -> Card {
     let share = played.runs[FOVEATED].summary.pixels_share_mean;
     Card {
         name: "Pixels a frame",
@@ -22,7 +22,7 @@ pub(super) fn pixels_card(played: &Played) -> Card {
 }
 
 /// What `auto` fetched, over what the baselines did, and over the file itself where that is known.
-pub(super) fn bytes_card(played: &Played, content: &Prepared) -> Card {
+pub(crate) fn bytes_card(played: &Played, content: &Prepared) -> Card {
     let bytes = played.runs[FOVEATED].summary.bytes as f64;
     let of_file = content.source_bytes().map(|file| {
         let times = bytes / file;
@@ -38,7 +38,7 @@ pub(super) fn bytes_card(played: &Played, content: &Prepared) -> Card {
     }
 }
 
-pub(super) fn time_card(played: &Played) -> Card {
+pub(crate) fn time_card(played: &Played) -> Card {
     Card {
         name: "Decoding a frame",
         value: format!(
@@ -50,7 +50,7 @@ pub(super) fn time_card(played: &Played) -> Card {
 }
 
 /// How good `auto` looks, next to what it saves.
-pub(super) fn score_card(played: &Played) -> Card {
+pub(crate) fn score_card(played: &Played) -> Card {
     let [full, own] = [FULL, FOVEATED].map(|run| &played.runs[run]);
     let against_full = jod(own.summary.score.as_ref());
     Card {
@@ -76,13 +76,13 @@ fn of_baselines(played: &Played, cost: Cost) -> String {
 }
 
 /// A share in percent, with one decimal or two digits.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     let decimals = if share < 0.01 { 2 } else { 1 };
     format!("{:.decimals$}&#8239;%", share * 100.0)
 }
 
 /// What of pixels and bytes saves less than a fifth of what `viewport` takes, in words.
-pub(super) fn little_saved(played: &Played) -> Option<&'static str> {
+pub(crate) fn little_saved(played: &Played) -> Option<&'static str> {
     let of = |cost| is_little(ratio(&played.runs, cost, FOVEATED, VIEWPORT), 1.0);
     match (of(Cost::Pixels), of(Cost::Bytes)) {
         (true, true) => Some("pixels and bytes"),
@@ -93,7 +93,7 @@ pub(super) fn little_saved(played: &Played) -> Option<&'static str> {
 }
 
 /// Pictures of one moment, under a heading.
-pub(super) fn pictures(played: &Played, content: &Prepared) -> String {
+pub(crate) fn pictures(played: &Played, content: &Prepared) -> String {
     let p = &played.pictures;
     let [inside, outside] = p.error.map(|error| format!("{error:.1}"));
     let shown = match p.atlas_shrunk {
@@ -146,7 +146,7 @@ pub(super) fn pictures(played: &Played, content: &Prepared) -> String {
 }
 
 /// Pixels over time under all policies.
-pub(super) fn pixels_plot(played: &Played) -> Plot {
+pub(crate) fn pixels_plot(played: &Played) -> Plot {
     let run = PlottedRun {
         times: &played.times,
         unit: "seconds",
@@ -171,7 +171,7 @@ pub(super) fn pixels_plot(played: &Played) -> Plot {
 }
 
 /// All figures of all policies.
-pub(super) fn table(played: &Played, setup: &PlaySetup<'_>) -> Table {
+pub(crate) fn table(played: &Played, setup: &PlaySetup<'_>) -> Table {
     Table {
         title: format!(
             "Figures of {} (auto is {} here)",

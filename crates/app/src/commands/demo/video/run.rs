@@ -1,9 +1,9 @@
 //! How does one content play under each policy?
 
-use crate::commands::demo::judging::{Scorer, judged_frames, pictures};
-use crate::commands::demo::moment::PicturedMoment;
-use crate::commands::demo::pictures::Pictures;
-use crate::commands::demo::setup::PlaySetup;
+use crate::commands::demo::video::judging::{Scorer, judged_frames, pictures};
+use crate::commands::demo::video::moment::PicturedMoment;
+use crate::commands::demo::video::pictures::Pictures;
+use crate::commands::demo::video::setup::PlaySetup;
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate::{RunSummary, csv, session, summarise};
 use crate::gaze_source::GazeSource;
@@ -16,37 +16,37 @@ use foveal_render::DrawDevice;
 use std::path::Path;
 
 /// What is compared, baselines first: columns of tables, classes of the style sheet.
-pub(super) const COLUMNS: [&str; 3] = ["full", "viewport", "auto"];
+pub(crate) const COLUMNS: [&str; 3] = ["full", "viewport", "auto"];
 /// Index in [`COLUMNS`] of what the others are judged by.
-pub(super) const FULL: usize = 0;
+pub(crate) const FULL: usize = 0;
 /// Index of what the industry ships.
-pub(super) const VIEWPORT: usize = 1;
+pub(crate) const VIEWPORT: usize = 1;
 /// Index of what is judged.
-pub(super) const FOVEATED: usize = 2;
+pub(crate) const FOVEATED: usize = 2;
 
 /// One run under one policy.
-pub(super) struct PolicyRun {
-    pub(super) summary: RunSummary,
+pub(crate) struct PolicyRun {
+    pub(crate) summary: RunSummary,
     /// Against the source.
-    pub(super) source_score: Option<ScoreReport>,
-    pub(super) reports: Vec<FrameReport>,
+    pub(crate) source_score: Option<ScoreReport>,
+    pub(crate) reports: Vec<FrameReport>,
 }
 
 /// Content that was played under all policies.
-pub(super) struct Played {
+pub(crate) struct Played {
     /// In the order of [`COLUMNS`].
-    pub(super) runs: Vec<PolicyRun>,
+    pub(crate) runs: Vec<PolicyRun>,
     /// Display time of every picture in seconds.
-    pub(super) times: Vec<f64>,
-    pub(super) moment: PicturedMoment,
-    pub(super) pictures: Pictures,
+    pub(crate) times: Vec<f64>,
+    pub(crate) moment: PicturedMoment,
+    pub(crate) pictures: Pictures,
     /// Frames that were judged, or pictures of a still.
-    pub(super) judged: u32,
+    pub(crate) judged: u32,
 }
 
 /// Plays content under every policy in this one run, then makes the pictures; logs go to folders
 /// whose names begin with `name`.
-pub(super) fn play(
+pub(crate) fn play(
     setup: &PlaySetup<'_>,
     (out, name): (&Path, &str),
     budget: usize,
@@ -275,7 +275,7 @@ mod tests {
         std::fs::create_dir_all(&out)?;
         let (size, clip) = ([640, 360], out.join("wide.mkv"));
         write_scene(&GeneratedScene::wide(size), size, 12, &clip)?;
-        let content = VideoContent::file("wide".to_owned(), clip).prepare(&out)?;
+        let content = VideoContent::file("wide".to_owned(), clip).prepare(&out, None)?;
         let conditions = DemoConditions {
             view: &Options::parse_from([""]).view,
             drawing: &DrawDevice::Nothing,

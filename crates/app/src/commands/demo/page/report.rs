@@ -3,13 +3,13 @@
 //! The page holds all it shows: style, plots and pictures; it loads nothing and runs no script.
 
 use crate::commands::demo::machine::Machine;
-use crate::commands::demo::part::Part;
+use crate::commands::demo::page::part::ReportPart;
 use crate::report::html::escape;
 
 const STYLE: &str = include_str!("report.css");
 
 /// The page.
-pub(super) fn page(parts: &[Part], machine: &Machine, seed: u64) -> String {
+pub(crate) fn page(parts: &[ReportPart], machine: &Machine, seed: u64) -> String {
     let anchor = |at: usize| format!("part-{}", at + 1);
     let links: String = parts
         .iter()
@@ -65,8 +65,8 @@ fn how_to_read(seed: u64) -> String {
          all cores; stills are decoded again for each picture, as a film would be. A frame is late \
          when choosing and that take longer than it is shown, and incomplete when a coarser tile \
          stands in for one that was chosen. Bytes count each tile’s group of pictures once, when \
-         it is first needed. The policies take turns frame by frame in one run on the machine named \
-         above, so that other work on it touches them alike.</p>\n\
+         it is first needed. The policies take turns frame by frame in one run on the machine \
+         named above, so that other work on it touches them alike.</p>\n\
          <p>Not measured: a real network (only the mesh comes through a link, one without loss or \
          delay); uploading and drawing; sound; the delay and the error of a real eye tracker; and \
          whether a person would see the difference, which the pictures on this page cannot show, \

@@ -16,7 +16,7 @@ const JUDGED_PIXELS: f64 = 16e6;
 const JUDGED_FRAMES: [f64; 2] = [2.0, 16.0];
 
 /// How many frames of views are judged.
-pub(super) fn judged_frames(views: &[EyeView]) -> u32 {
+pub(crate) fn judged_frames(views: &[EyeView]) -> u32 {
     let pixels = views.iter().map(|view| view.size.map(f64::from));
     let pixels: f64 = pixels.map(|[w, h]| w * h).sum();
     let [least, most] = JUDGED_FRAMES;
@@ -24,7 +24,7 @@ pub(super) fn judged_frames(views: &[EyeView]) -> u32 {
 }
 
 /// Judges every view of a run by itself: frames of a film together, pictures of a still one by one.
-pub(super) struct Scorer {
+pub(crate) struct Scorer {
     views: Vec<JudgedView>,
     is_still: bool,
     /// Of pictures that were judged one by one.
@@ -39,7 +39,7 @@ struct JudgedView {
 
 impl Scorer {
     /// Of these views; `None` where no display shows one of them (a pixel a degree or fewer).
-    pub(super) fn open(
+    pub(crate) fn open(
         views: &[EyeView],
         projection: Projection,
         fps: Option<f64>,
@@ -64,7 +64,7 @@ impl Scorer {
     }
 
     /// Judges what the views of a frame show.
-    pub(super) fn frame(
+    pub(crate) fn frame(
         &mut self,
         reference: &[ScorePicture],
         test: &[ScorePicture],
@@ -82,7 +82,7 @@ impl Scorer {
     }
 
     /// The lowest score of all views and, of a still, of all pictures.
-    pub(super) fn lowest(self) -> anyhow::Result<Option<ScoreReport>> {
+    pub(crate) fn lowest(self) -> anyhow::Result<Option<ScoreReport>> {
         let reports = match self.is_still {
             true => self.done,
             false => {
@@ -112,7 +112,7 @@ fn engine(viewing: &Viewing) -> anyhow::Result<Engine> {
 }
 
 /// What the views of a frame show; `None` where nothing draws.
-pub(super) fn pictures(
+pub(crate) fn pictures(
     player: &mut Player,
     views: &[EyeView],
 ) -> anyhow::Result<Option<Vec<ScorePicture>>> {

@@ -1,13 +1,13 @@
 //! What is known of a film or a picture before it is played?
 
-use crate::commands::demo::content::{FRAMES, Prepared};
+use crate::commands::demo::video::content::{FRAMES, Prepared};
 use crate::report::html::escape;
 use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::counted;
 use foveal_core::view::surface::Projection;
 
 /// What is shown and how, source, pack, licence and notes as paragraphs.
-pub(super) fn paragraphs(content: &Prepared, shown: &str) -> String {
+pub(crate) fn paragraphs(content: &Prepared, shown: &str) -> String {
     let licence = content.licence.map(|licence| format!("{licence}."));
     let soft = [Some(pack(content)), notes(content), licence]
         .into_iter()
@@ -53,22 +53,20 @@ fn pack(content: &Prepared) -> String {
         Cut::Tile(px) => format!("tiles of {px} pixels"),
         Cut::Grid([c, r]) => format!("a grid of {c}×{r} a face"),
     };
-    let calibrated = match file.calibration() {
-        Ok(Some(_)) => "calibrated",
-        _ => "not calibrated",
-    };
+    let is_calibrated = matches!(file.calibration(), Ok(Some(_)));
     let took = match content.took {
         Some(took) => {
-            let drawn = match content.generated {
-                true => "drawn, prepared and calibrated",
-                false => "prepared and calibrated",
+            let drawn = if content.generated { "drawn, " } else { "" };
+            let calibrated = match is_calibrated {
+                true => " and calibrated",
+                false => ", not calibrated,",
             };
-            format!("{drawn} in {:.1} s", took.as_secs_f64())
+            format!("{drawn}prepared{calibrated} in {:.1} s", took.as_secs_f64())
         }
         None => "prepared by an earlier run and used again".to_owned(),
     };
     format!(
-        "Pack: {}, {}, {cut}, {}, {calibrated}, {} from {}; {took}.",
+        "Pack: {}, {}, {cut}, {}, {} from {}; {took}.",
         about.codec.name().to_uppercase(),
         counted(about.levels, "level"),
         counted(file.pack().units().count(), "unit"),
@@ -91,7 +89,7 @@ fn notes(content: &Prepared) -> Option<String> {
 }
 
 /// Bytes in the unit that suits them.
-pub(super) fn size(bytes: f64) -> String {
+pub(crate) fn size(bytes: f64) -> String {
     match bytes {
         ..1e6 => format!("{:.1} kB", bytes / 1e3),
         _ => format!("{:.2} MB", bytes / 1e6),

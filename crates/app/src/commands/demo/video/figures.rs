@@ -1,7 +1,7 @@
 //! Which figures compare the policies?
 
-use crate::commands::demo::part::Row;
-use crate::commands::demo::run::{COLUMNS, FULL, Played, PolicyRun, VIEWPORT};
+use crate::commands::demo::page::part::FigureRow;
+use crate::commands::demo::video::run::{COLUMNS, FULL, Played, PolicyRun, VIEWPORT};
 use crate::commands::score::ScoreReport;
 use crate::commands::simulate::RunSummary;
 use foveal_core::units::counted;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Figures of one policy: what it took, and that over what the baselines took.
 #[derive(Debug, Serialize)]
-pub(super) struct PolicyFigures {
+pub(crate) struct PolicyFigures {
     #[serde(flatten)]
     summary: RunSummary,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -25,7 +25,7 @@ pub(super) struct PolicyFigures {
 
 /// What is compared between policies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Cost {
+pub(crate) enum Cost {
     Pixels,
     DecodeTime,
     Bytes,
@@ -40,7 +40,7 @@ fn cost(summary: &RunSummary, of: Cost) -> f64 {
 }
 
 /// What run `index` costs over what run `baseline` costs.
-pub(super) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize) -> f64 {
+pub(crate) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize) -> f64 {
     let [own, base] = [index, baseline].map(|run| cost(&runs[run].summary, of));
     if own == base {
         1.0
@@ -50,7 +50,7 @@ pub(super) fn ratio(runs: &[PolicyRun], of: Cost, index: usize, baseline: usize)
 }
 
 /// The figures of all runs, by the names of [`COLUMNS`].
-pub(super) fn by_policy(played: Played) -> BTreeMap<&'static str, PolicyFigures> {
+pub(crate) fn by_policy(played: Played) -> BTreeMap<&'static str, PolicyFigures> {
     let runs = played.runs;
     let ratios: Vec<[f64; 6]> = (0..runs.len())
         .map(|index| {
@@ -83,14 +83,14 @@ pub(super) fn by_policy(played: Played) -> BTreeMap<&'static str, PolicyFigures>
 }
 
 /// The rows of the table; pictures of a still are never late.
-pub(super) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<Row> {
-    let row = |what: &str, unit, cell: &dyn Fn(&PolicyRun) -> String| Row {
+pub(crate) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<FigureRow> {
+    let row = |what: &str, unit, cell: &dyn Fn(&PolicyRun) -> String| FigureRow {
         what: what.to_owned(),
         unit,
         cells: runs.iter().map(cell).collect(),
         opens_group: false,
     };
-    let over = |what: &str, of, baseline| Row {
+    let over = |what: &str, of, baseline| FigureRow {
         what: what.to_owned(),
         unit: "%",
         cells: (0..runs.len())
@@ -101,7 +101,7 @@ pub(super) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<Row> {
     let amount = |what: &str, unit, value: &dyn Fn(&RunSummary) -> f64| {
         let values: Vec<f64> = runs.iter().map(|run| value(&run.summary)).collect();
         let decimals = decimals(&values);
-        Row {
+        FigureRow {
             what: what.to_owned(),
             unit,
             cells: values.iter().map(|v| format!("{v:.decimals$}")).collect(),
@@ -150,7 +150,7 @@ pub(super) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<Row> {
 }
 
 /// A score as it is written; a dash where there is none.
-pub(super) fn jod(score: Option<&ScoreReport>) -> String {
+pub(crate) fn jod(score: Option<&ScoreReport>) -> String {
     score.map_or("–".to_owned(), |score| format!("{:.2}", score.jod))
 }
 
@@ -161,6 +161,6 @@ fn decimals(values: &[f64]) -> usize {
 }
 
 /// How many pictures were played, in words.
-pub(super) fn frames(runs: &[PolicyRun]) -> String {
+pub(crate) fn frames(runs: &[PolicyRun]) -> String {
     counted(runs.first().map_or(0, |run| run.reports.len()), "frame")
 }

@@ -1,6 +1,6 @@
 //! Of what does one part of the report consist, and how does it read?
 
-use crate::commands::demo::pictures::Png;
+use crate::commands::demo::video::pictures::Png;
 use crate::report::html::escape;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -12,60 +12,60 @@ const SMALL: u32 = 400;
 const LITTLE: f64 = 0.2;
 
 /// What one content shows: what it is, what it takes, how good it looks.
-pub(super) struct Part {
-    pub(super) title: String,
+pub(crate) struct ReportPart {
+    pub(crate) title: String,
     /// What is shown, in paragraphs of HTML.
-    pub(super) facts: String,
-    pub(super) cards: Vec<Card>,
+    pub(crate) facts: String,
+    pub(crate) cards: Vec<Card>,
     /// Why little is gained, where that is so; a sentence without its beginning, as HTML.
-    pub(super) little: Option<String>,
+    pub(crate) little: Option<String>,
     /// Pictures with a heading, as HTML.
-    pub(super) pictures: String,
-    pub(super) plot: Plot,
-    pub(super) table: Table,
+    pub(crate) pictures: String,
+    pub(crate) plot: Plot,
+    pub(crate) table: Table,
     /// How long all of it took, preparing included.
-    pub(super) took_s: f64,
+    pub(crate) took_s: f64,
 }
 
 /// A figure that is read first.
-pub(super) struct Card {
-    pub(super) name: &'static str,
-    pub(super) value: String,
+pub(crate) struct Card {
+    pub(crate) name: &'static str,
+    pub(crate) value: String,
     /// What it is compared with, a line each.
-    pub(super) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 /// A plot over time.
-pub(super) struct Plot {
-    pub(super) title: &'static str,
-    pub(super) text: &'static str,
-    pub(super) svg: String,
+pub(crate) struct Plot {
+    pub(crate) title: &'static str,
+    pub(crate) text: &'static str,
+    pub(crate) svg: String,
 }
 
 /// Figures of every policy.
-pub(super) struct Table {
-    pub(super) title: String,
-    pub(super) columns: Vec<&'static str>,
-    pub(super) rows: Vec<Row>,
+pub(crate) struct Table {
+    pub(crate) title: String,
+    pub(crate) columns: Vec<&'static str>,
+    pub(crate) rows: Vec<FigureRow>,
 }
 
 /// One row: what, in which unit, and a cell a column.
-pub(super) struct Row {
-    pub(super) what: String,
-    pub(super) unit: &'static str,
-    pub(super) cells: Vec<String>,
+pub(crate) struct FigureRow {
+    pub(crate) what: String,
+    pub(crate) unit: &'static str,
+    pub(crate) cells: Vec<String>,
     /// Whether it begins another kind of figures.
-    pub(super) opens_group: bool,
+    pub(crate) opens_group: bool,
 }
 
 /// Whether what is taken in place of `baseline` saves less than a fifth of it.
-pub(super) fn is_little(own: f64, baseline: f64) -> bool {
+pub(crate) fn is_little(own: f64, baseline: f64) -> bool {
     own > (1.0 - LITTLE) * baseline
 }
 
-impl Part {
+impl ReportPart {
     /// The part as a section of the page, which `anchor` names.
-    pub(super) fn html(&self, anchor: &str) -> String {
+    pub(crate) fn html(&self, anchor: &str) -> String {
         let cards: String = self.cards.iter().map(Card::html).collect();
         let little = self.little.as_ref().map_or(String::new(), |why| {
             format!("<p class=\"little\">Little gained here, because {why}.</p>\n")
@@ -73,9 +73,9 @@ impl Part {
         let Plot { title, text, svg } = &self.plot;
         format!(
             "<section id=\"{anchor}\">\n<h2>{}</h2>\n{}<dl class=\"cards\">\n{cards}</dl>\n\
-             {little}{}<h3>Over time</h3>\n<figure class=\"plot\"><figcaption><b>{title}.</b> {text}\
-             </figcaption>\n{svg}</figure>\n{}<p class=\"soft\">This part took {:.0}&#8239;s.</p>\n\
-             </section>\n",
+             {little}{}<h3>Over time</h3>\n<figure class=\"plot\">\
+             <figcaption><b>{title}.</b> {text}</figcaption>\n{svg}</figure>\n{}\
+             <p class=\"soft\">This part took {:.0}&#8239;s.</p>\n</section>\n",
             escape(&self.title),
             self.facts,
             self.pictures,
@@ -85,7 +85,7 @@ impl Part {
     }
 
     /// The same for a terminal.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let little = self.little.as_ref().map_or(String::new(), |why| {
             format!("Little gained here, because {}.\n", plain(why))
         });
@@ -117,7 +117,7 @@ impl Table {
             .iter()
             .map(|name| format!("<th scope=\"col\" class=\"{name}\">{name}</th>"))
             .collect();
-        let body: String = self.rows.iter().map(Row::html).collect();
+        let body: String = self.rows.iter().map(FigureRow::html).collect();
         format!(
             "<h3>{}</h3>\n<table>\n<thead><tr><th></th>{head}</tr></thead>\n\
              <tbody>\n{body}</tbody>\n</table>\n",
@@ -146,7 +146,7 @@ impl Table {
     }
 }
 
-impl Row {
+impl FigureRow {
     fn html(&self) -> String {
         let cells: String = self
             .cells
@@ -167,7 +167,7 @@ impl Row {
 }
 
 /// A picture that a click shows larger; `class` says how much room it gets.
-pub(super) fn picture(class: &str, png: &Png, title: &str, text: &str) -> String {
+pub(crate) fn picture(class: &str, png: &Png, title: &str, text: &str) -> String {
     let [width, height] = png.size;
     let small = match width < SMALL {
         true => " class=\"small\"",

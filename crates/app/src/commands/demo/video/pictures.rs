@@ -1,7 +1,7 @@
 //! What does one moment look like: full, foveated, by level, in the atlas, and their difference?
 
-use crate::commands::demo::atlas_sheet;
-use crate::commands::demo::setup::PlaySetup;
+use crate::commands::demo::video::atlas_sheet;
+use crate::commands::demo::video::setup::PlaySetup;
 use crate::commands::simulate_pictures::marks;
 use crate::report::picture_file::png_bytes;
 use anyhow::{Context, bail};
@@ -13,7 +13,7 @@ use foveal_render::{Overlay, RgbaImage};
 /// Widths that are tried until the pictures of one content fit into the report; pixels.
 const WIDTHS: [u32; 5] = [1280, 1024, 800, 640, 480];
 /// How many times the difference is amplified.
-pub(super) const AMPLIFIED: u8 = 4;
+pub(crate) const AMPLIFIED: u8 = 4;
 
 /// Panels next to each other in a picture of all.
 const COLUMNS: u32 = 4;
@@ -22,34 +22,34 @@ const GAP: u32 = 4;
 
 /// A picture as a PNG file.
 #[derive(Clone, Default)]
-pub(super) struct Png {
-    pub(super) bytes: Vec<u8>,
-    pub(super) size: [u32; 2],
+pub(crate) struct Png {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) size: [u32; 2],
 }
 
 /// The pictures of one moment.
-pub(super) struct Pictures {
-    pub(super) full: Png,
-    pub(super) foveated: Png,
-    pub(super) heat_map: Png,
-    pub(super) atlas: Png,
-    pub(super) difference: Png,
+pub(crate) struct Pictures {
+    pub(crate) full: Png,
+    pub(crate) foveated: Png,
+    pub(crate) heat_map: Png,
+    pub(crate) atlas: Png,
+    pub(crate) difference: Png,
     /// Mean error of a colour channel, 0 to 255, within the ring round the gaze and beyond it.
-    pub(super) error: [f64; 2],
+    pub(crate) error: [f64; 2],
     /// How many times smaller than stored the atlas shows its tiles, on a side.
-    pub(super) atlas_shrunk: u32,
+    pub(crate) atlas_shrunk: u32,
 }
 
 /// A player that shows one frame.
-pub(super) struct ShownFrame {
+pub(crate) struct ShownFrame {
     player: Player,
-    pub(super) report: FrameReport,
+    pub(crate) report: FrameReport,
 }
 
 impl Pictures {
     /// Plays to a picture of a run again, whose report is `timed`, and draws it, outside what is
     /// timed; the PNG files together take about `budget` bytes at most.
-    pub(super) fn take(
+    pub(crate) fn take(
         setup: &PlaySetup<'_>,
         picture: u32,
         timed: &FrameReport,
@@ -113,7 +113,7 @@ impl Pictures {
 }
 
 impl ShownFrame {
-    pub(super) fn at(setup: &PlaySetup<'_>, policy: Policy, picture: u32) -> anyhow::Result<Self> {
+    pub(crate) fn at(setup: &PlaySetup<'_>, policy: Policy, picture: u32) -> anyhow::Result<Self> {
         let (mut player, mut gaze) = setup.player(policy)?;
         // The head follows the gaze and levels stay while that trembles: both need all of the way.
         for before in 0..picture {
@@ -160,7 +160,7 @@ fn together(images: &[RgbaImage]) -> RgbaImage {
     wall
 }
 
-pub(super) fn png(image: &RgbaImage) -> anyhow::Result<Png> {
+pub(crate) fn png(image: &RgbaImage) -> anyhow::Result<Png> {
     Ok(Png {
         bytes: png_bytes(image)?,
         size: image.size,
@@ -168,7 +168,7 @@ pub(super) fn png(image: &RgbaImage) -> anyhow::Result<Png> {
 }
 
 /// The same view at fewer pixels, where it is wider than `width`.
-pub(super) fn narrowed(view: &EyeView, width: u32) -> EyeView {
+pub(crate) fn narrowed(view: &EyeView, width: u32) -> EyeView {
     let [w, h] = view.size;
     if w <= width {
         return *view;

@@ -13,19 +13,19 @@ const SHARE_OF_RUN: f64 = 0.6;
 
 /// A frame a little after a saccade, and when the eye moved.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct PicturedMoment {
+pub(crate) struct PicturedMoment {
     /// Frame of the content.
-    pub(super) frame: u32,
+    pub(crate) frame: u32,
     /// Whether the eye landed there a moment before.
-    pub(super) landed: bool,
+    pub(crate) landed: bool,
     /// Whether the gaze turned since the frame before, of every frame.
-    pub(super) moving: Vec<bool>,
+    pub(crate) moving: Vec<bool>,
 }
 
 impl PicturedMoment {
     /// The moment of a run: the second frame of a fixation whose surroundings are all in view, the
     /// last frame where there is none.
-    pub(super) fn choose(reports: &[FrameReport]) -> Self {
+    pub(crate) fn choose(reports: &[FrameReport]) -> Self {
         let moving: Vec<bool> = (0..reports.len())
             .map(|at| at > 0 && turned(&reports[at - 1], &reports[at]) > SACCADE_DEG)
             .collect();
