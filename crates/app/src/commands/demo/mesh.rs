@@ -121,7 +121,7 @@ fn facts(scene: &PreparedScene, runs: &Runs) -> String {
         triangles => format!("{} in view", counted(triangles, "triangle")),
     };
     let [w, h] = runs.view.size;
-    let (across, [right, up]) = (WATCHED.fov_deg, scene.content.gaze_deg());
+    let (across, [right, up]) = (WATCHED.fov_deg, runs.gaze_deg);
     let shown = format!(
         "{origin}: {shapes}. The view is {w}×{h} pixels, {across:.0}° across; the viewer stands \
          still and looks {right}° to the right of its middle and {up}° up."
@@ -332,9 +332,15 @@ fn table(runs: &Runs) -> Table {
         rows.push(both("fetched".to_owned(), "MB", &|run| {
             format!("{:.2}", run.moments[at].bytes as f64 / 1e6)
         }));
-        rows.push(both("triangles".to_owned(), "", &|run| {
-            run.moments[at].triangles.to_string()
-        }));
+        let shown = match runs.triangles {
+            0 => both("units".to_owned(), "", &|run| {
+                run.moments[at].units.to_string()
+            }),
+            _ => both("triangles".to_owned(), "", &|run| {
+                run.moments[at].triangles.to_string()
+            }),
+        };
+        rows.push(shown);
     }
     Table {
         title: format!(

@@ -70,12 +70,9 @@ impl SceneContent {
         })
     }
 
-    /// Where a viewer of it looks, in degrees to the right and up of its middle: a knot has a hole
-    /// there.
-    pub(crate) fn gaze_deg(&self) -> [f64; 2] {
-        match self.is_drawn {
-            true => [4.4, 9.2],
-            false => [0.0, 0.0],
-        }
+    /// Where a viewer of it looks, in degrees to the right and up of its middle; `None` where that
+    /// follows from what it looks like.
+    pub(crate) fn gaze_deg(&self) -> Option<[f64; 2]> {
+        self.is_drawn.then_some([4.4, 9.2])
     }
 }

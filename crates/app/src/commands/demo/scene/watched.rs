@@ -11,6 +11,7 @@ use crate::gaze_source::{GazeChoice, ViewerModel};
 use crate::report::output::{self, Counting};
 use anyhow::Context;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
@@ -37,6 +38,12 @@ const STEPS_A_SECOND: u32 = 10;
 const QUIET: u32 = 10;
 /// Widest picture in the report, in pixels.
 const SHOWN_WIDTH: u32 = 800;
+/// Width of the picture in which a place to look at is sought, in pixels; the distance between
+/// such places, and how many there are to each side; and which share of the fovea is enough.
+const GLANCE_WIDTH: u32 = 200;
+const GLANCE_DEG: f64 = 2.0;
+const GLANCES: i32 = 9;
+const FILLED: f64 = 0.95;
 /// Bytes that the GPU may hold.
 const GPU_BYTES: u64 = 512_000_000;
 
@@ -63,6 +70,8 @@ pub(crate) struct Runs {
     /// `uniform`, then `perceptual`.
     pub(crate) runs: [SceneRun; 2],
     pub(crate) view: EyeView,
+    /// Where the viewer looks, in degrees to the right and up of the middle.
+    pub(crate) gaze_deg: [f64; 2],
     /// Triangles of everything that is in view, at its finest; 0 of clouds.
     pub(crate) triangles: u64,
     /// All of it, with a ring round the gaze.
@@ -115,17 +124,25 @@ pub(crate) fn watch(
         eye: Default::default(),
     };
     let mut whole = player(scene, drawing, Policy::Full)?;
-    let route = (Route::Still, whole.scene().bounds());
-    let gaze = GazeChoice::At(scene.content.gaze_deg());
-    let mover = Mover::new(route, &gaze, 0, Seconds(0.0), &ViewerModel::default())?;
-    let mut mover = mover.through(ahead);
-    let mut standing = mover.at(Seconds(0.0), &Parameters::default());
-    let view = EyeView {
-        field: Field::of_larger_side(Radians::from_degrees(WATCHED.fov_deg), size),
-        ..standing.moment.views[0]
+    let bounds = whole.scene().bounds();
+    let stand = |gaze_deg| {
+        let (route, gaze) = ((Route::Still, bounds), GazeChoice::At(gaze_deg));
+        let mover = Mover::new(route, &gaze, 0, Seconds(0.0), &ViewerModel::default())?;
+        let mut standing = mover
+            .through(ahead)
+            .at(Seconds(0.0), &Parameters::default());
+        standing.moment.views[0].field =
+            Field::of_larger_side(Radians::from_degrees(WATCHED.fov_deg), size);
+        anyhow::Ok(standing)
     };
-    standing.moment.views = vec![view];
+    let mut standing = stand([0.0, 0.0])?;
+    let view = standing.moment.views[0];
     whole.show(Seconds(0.0), &standing.moment)?;
+    let gaze_deg = match scene.content.gaze_deg() {
+        Some(known) => known,
+        None => gaze_on_it(&mut whole, &narrowed(&view, GLANCE_WIDTH))?,
+    };
+    standing = stand(gaze_deg)?;
     let reference = whole.picture(&view)?.context("nothing draws")?;
     let watched = Watched {
         drawing,
@@ -142,7 +159,36 @@ pub(crate) fn watch(
             watched.run(Policy::Perceptual)?,
         ],
         view,
+        gaze_deg,
     })
+}
+
+/// The place nearest to the middle at which what stands there fills nearly all of the fovea, or the
+/// most of it, in degrees to the right and up: many things have a hole in their middle.
+fn gaze_on_it(whole: &mut ScenePlayer, view: &EyeView) -> anyhow::Result<[f64; 2]> {
+    let picture = whole.picture(view)?.context("nothing draws")?;
+    let background = picture.pixel([0, 0]);
+    let filled = |[right, up]: [f64; 2]| {
+        let [yaw, pitch] = [right, up].map(Radians::from_degrees);
+        let gaze = GazeSample::at(Seconds(0.0), yaw, pitch).gaze_in_content;
+        let fovea = disc(view, gaze, Radians::from_degrees(FOVEA_DEG));
+        let is_it = |at: &&usize| picture.pixels[4 * **at..4 * **at + 4] != background;
+        fovea.iter().filter(is_it).count() as f64 / fovea.len().max(1) as f64
+    };
+    let steps = || (-GLANCES..=GLANCES).map(|step| f64::from(step) * GLANCE_DEG);
+    let mut places: Vec<[f64; 2]> = steps().flat_map(|x| steps().map(move |y| [x, y])).collect();
+    places.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    let mut best = ([0.0, 0.0], 0.0);
+    for place in places {
+        let share = filled(place);
+        if share > best.1 {
+            best = (place, share);
+        }
+        if share >= FILLED {
+            break;
+        }
+    }
+    Ok(best.0)
 }
 
 fn player(
