@@ -24,12 +24,12 @@ build: setup ## build the page, and the release program that carries it
 web: setup ## build the page into web/dist and say how large it is
 	cargo xtask web
 
-demo: build ## prepare, stream and judge a clip into demo/ (INPUT=file for your own)
+demo: build ## show a clip, a sphere, a mesh and panels in demo/ (INPUT=file for your own)
 	@input=(); \
 	if [ -n "$$INPUT" ]; then input=(--input "$$INPUT"); \
 	else scripts/fetch-sample.sh "$(TARGET)/sample"; \
 		case $$? in \
-			0) input=(--input "$(TARGET)/sample/bigbuckbunny.mp4") ;; \
+			0) input=(--clip "$(TARGET)/sample/bigbuckbunny.mp4") ;; \
 			3) echo "demo: using a generated clip instead" >&2 ;; \
 			*) exit 1 ;; \
 		esac; \

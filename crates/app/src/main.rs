@@ -52,7 +52,7 @@ enum Command {
         )
     }))]
     View(commands::view::ViewArgs),
-    /// Prepare and play clips under several policies, and report.
+    /// Show a clip, a sphere, a mesh and panels in one report.
     Demo(commands::demo::DemoArgs),
     /// Fill tiled headsets, walls and domes from one source.
     #[command(subcommand)]

@@ -44,6 +44,72 @@ pub fn torus(around: u32, along: u32) -> SourceMesh {
     }
 }
 
+/// A closed rope of three strands in a trefoil knot, each strand with fibres and a colour of its
+/// own: twice `along` times `around` triangles.
+///
+/// ```
+/// let knot = foveal_scene::generate::knot(60, 12);
+/// assert_eq!((knot.triangles.len(), knot.colours.len()), (1440, 720));
+/// ```
+#[must_use]
+pub fn knot(along: u32, around: u32) -> SourceMesh {
+    let mut mesh = SourceMesh {
+        triangles: cells(along, around, |u, v| u % along * around + v % around),
+        ..Default::default()
+    };
+    for u in 0..along {
+        let turn = TAU * f64::from(u) / f64::from(along);
+        let centre = trefoil(turn);
+        let tangent = (trefoil(turn + 1e-4) - trefoil(turn - 1e-4)).normalize();
+        // Its curve never runs along this direction.
+        let across = tangent.cross(DVec3::new(0.13, 0.2, 0.97)).normalize();
+        let up = tangent.cross(across);
+        for v in 0..around {
+            let angle = TAU * f64::from(v) / f64::from(around);
+            let (radius, colour) = rope(turn, angle);
+            let out = across * angle.cos() + up * angle.sin();
+            mesh.positions.push(centre + out * radius);
+            mesh.colours.push(colour);
+        }
+    }
+    mesh
+}
+
+/// A closed curve with three crossings.
+fn trefoil(turn: f64) -> DVec3 {
+    DVec3::new(
+        turn.sin() + 2.0 * (2.0 * turn).sin(),
+        turn.cos() - 2.0 * (2.0 * turn).cos(),
+        -1.15 * (3.0 * turn).sin(),
+    )
+}
+
+/// Radius and colour of the rope at an angle of its cross-section, at a turn along its curve.
+fn rope(turn: f64, angle: f64) -> (f64, [f32; 4]) {
+    /// Strands, and how often they wind round the rope; a multiple of them closes it.
+    const STRANDS: f64 = 3.0;
+    const WINDS: f64 = 21.0;
+    /// Distance of a strand's middle from the rope's, and its radius.
+    const OFF: f64 = 0.33;
+    const STRAND: f64 = 0.30;
+    /// Linear light of each strand.
+    const COLOURS: [[f64; 3]; 3] = [[0.62, 0.36, 0.15], [0.10, 0.33, 0.38], [0.60, 0.55, 0.44]];
+    let place = (angle / TAU * STRANDS + turn / TAU * WINDS).rem_euclid(STRANDS);
+    let strand = place.floor();
+    let away = (place - strand - 0.5) * TAU / STRANDS;
+    let side = OFF * away.sin();
+    let round = (STRAND * STRAND - side * side).max(0.0).sqrt();
+    // Fibres wind round a strand the other way.
+    let fibres = (90.0 * away - 400.0 * turn).sin();
+    let yarns = (16.0 * away + 150.0 * turn).sin();
+    let radius = OFF * away.cos() + round + 0.006 * fibres + 0.011 * yarns;
+    // Little light reaches the grooves between strands.
+    let open = 0.25 + 0.75 * (away * STRANDS / 2.0).cos().max(0.0).powf(0.6);
+    let light = open * (1.0 + 0.16 * yarns + 0.14 * fibres);
+    let [r, g, b] = COLOURS[strand as usize % COLOURS.len()].map(|it| (it * light) as f32);
+    (radius, [r, g, b, 1.0])
+}
+
 /// Two triangles for each cell of a grid of vertices, whose rows have `columns`.
 pub(crate) fn cells(rows: u32, columns: u32, at: impl Fn(u32, u32) -> u32) -> Vec<[u32; 3]> {
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)));

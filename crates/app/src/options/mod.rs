@@ -9,7 +9,7 @@ pub(crate) mod panels;
 pub(crate) mod perception;
 pub(crate) mod policy;
 pub(crate) mod policy_choice;
-mod policy_of_pack;
+pub(crate) mod policy_of_pack;
 pub(crate) mod preset;
 pub(crate) mod renderer;
 pub(crate) mod showing;

@@ -1,4 +1,4 @@
-//! How does a series of figures become a line plot or a stack of areas, as SVG?
+//! How does a series of figures become a line plot, as SVG?
 //!
 //! Colours come from a style sheet by class: the page's, so that a plot follows light and dark, or
 //! one of its own where the plot is a file ([`file`]).
@@ -12,7 +12,7 @@ const TITLE: f64 = 26.0;
 /// Margins: left for numbers, top, right for labels, bottom for time.
 const LEFT: f64 = 46.0;
 const TOP: f64 = 10.0;
-const RIGHT: f64 = 72.0;
+const RIGHT: f64 = 80.0;
 const BOTTOM: f64 = 34.0;
 /// Steps between numbers of an axis, at least this many.
 const STEPS: f64 = 4.0;
@@ -42,16 +42,10 @@ pub(crate) struct PlotLine<'a> {
     pub(crate) values: Vec<f64>,
 }
 
-/// One area of a stack, in a colour of CSS.
-pub(crate) struct Layer {
-    pub(crate) colour: String,
-    pub(crate) values: Vec<f64>,
-}
-
 /// Lines over time, each labelled at its end with its class; `title` is for those who cannot see.
 pub(crate) fn lines(title: &str, run: &PlottedRun<'_>, lines: &[PlotLine<'_>]) -> String {
     let highest = lines.iter().flat_map(|line| &line.values);
-    let plane = Plane::new(run, highest.copied().fold(0.0, f64::max), 0.0);
+    let plane = Plane::new(run, highest.copied().fold(0.0, f64::max));
     let mut svg = plane.begin(title, run);
     let mut labels: Vec<(f64, &str)> = Vec::new();
     for line in lines {
@@ -67,32 +61,6 @@ pub(crate) fn lines(title: &str, run: &PlottedRun<'_>, lines: &[PlotLine<'_>]) -
         let _ = write!(
             svg,
             r#"<text class="label {class}" x="{x:.1}" y="{y:.1}">{class}</text>"#
-        );
-    }
-    svg + "</svg>"
-}
-
-/// Areas of counts on top of each other over time, the first at the bottom.
-pub(crate) fn stack(title: &str, run: &PlottedRun<'_>, layers: &[Layer]) -> String {
-    let frames = run.times.len();
-    let mut sums = vec![vec![0.0; frames]];
-    for layer in layers {
-        let below = &sums[sums.len() - 1];
-        let top = below.iter().zip(&layer.values).map(|(a, b)| a + b);
-        let top: Vec<f64> = top.collect();
-        sums.push(top);
-    }
-    let highest = sums[sums.len() - 1].iter().copied().fold(0.0, f64::max);
-    let plane = Plane::new(run, highest, 1.0);
-    let mut svg = plane.begin(title, run);
-    for (layer, edges) in layers.iter().zip(sums.windows(2)) {
-        let (below, above) = (plane.points(&edges[0]), plane.points(&edges[1]));
-        let back: Vec<&str> = below.split(' ').rev().collect();
-        let _ = write!(
-            svg,
-            r#"<polygon class="area" fill="{}" points="{above} {}"/>"#,
-            layer.colour,
-            back.join(" ")
         );
     }
     svg + "</svg>"
@@ -137,8 +105,8 @@ struct Plane {
 }
 
 impl Plane {
-    /// A plane up to `highest` or a little more, its numbers at least `least_step` apart.
-    fn new(run: &PlottedRun<'_>, highest: f64, least_step: f64) -> Self {
+    /// A plane up to `highest` or a little more.
+    fn new(run: &PlottedRun<'_>, highest: f64) -> Self {
         let last = run.times.last().copied().unwrap_or(0.0);
         let longest = last.max(SHORTEST);
         let mut times = run.times.to_vec();
@@ -146,7 +114,7 @@ impl Plane {
         if times.len() == 1 {
             times.push(longest);
         }
-        let step = nice_step(highest / STEPS).max(least_step);
+        let step = nice_step(highest / STEPS);
         Self {
             times,
             longest,

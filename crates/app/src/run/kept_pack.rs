@@ -30,12 +30,12 @@ pub(crate) fn kept(source: &Path, pack: &Path, settings: &PrepareSettings) -> Op
 }
 
 /// Calibrates a pack in its own place, where it has no calibration and can have one.
-pub(crate) fn calibrate_in_place(pack: &Path) -> anyhow::Result<()> {
+pub(crate) fn calibrate_in_place(pack: &Path, extent: CalibrationExtent) -> anyhow::Result<()> {
     if PackFile::open(pack)?.calibration()?.is_some() {
         return Ok(());
     }
     output::say(&format!("{}: is being calibrated", pack.display()));
-    let found = calibrate(pack, CalibrationExtent::Usual, output::jobs(None)?)?;
+    let found = calibrate(pack, extent, output::jobs(None)?)?;
     if let Some(found) = found {
         let claim = NameClaim::of(pack, IfTaken::Replace)?;
         write_calibrated(pack, claim, &found.calibration)?;

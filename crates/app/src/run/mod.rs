@@ -4,7 +4,7 @@ pub(crate) mod calibrate;
 pub(crate) mod in_parallel;
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
-mod not_the_file;
+pub(crate) mod mesh_file;
 pub(crate) mod open_player;
 pub(crate) mod optics;
 pub(crate) mod other_input;

@@ -1,11 +1,13 @@
-//! How does a generated scene become a video file?
+//! How does a generated scene become a video file, or a picture?
 
 use crate::report::output::{self, Counting};
+use crate::report::picture_file::write_png;
 use anyhow::Context;
 use foveal_core::view::picture::{Colour, Matrix};
 use foveal_media::generate::{FRAMES_PER_SECOND, GeneratedScene as Scene};
 use foveal_media::plain_file::rename_durably;
 use foveal_media::{ClipCodec, ClipFormat, ClipWriter};
+use foveal_render::RgbaImage;
 use std::path::Path;
 
 /// Colour of generated scenes.
@@ -31,6 +33,13 @@ pub(crate) fn write_scene(
     }
     rename_durably(&partial, path)
         .with_context(|| format!("{}: cannot be given its name", partial.display()))
+}
+
+/// Draws the first frame of a scene into a PNG file, whole or not at all.
+pub(crate) fn write_still(scene: &Scene, path: &Path) -> anyhow::Result<()> {
+    output::say(&format!("{}: is being drawn", path.display()));
+    let picture = RgbaImage::from_planes(&scene.frame(0), SCENE_COLOUR);
+    write_png(path, &picture)
 }
 
 /// Frame by frame, so that one picture at a time is in memory.

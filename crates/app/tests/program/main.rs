@@ -11,6 +11,7 @@ mod bridge;
 mod calibrated;
 mod clouds;
 mod damage;
+mod demo;
 mod documented;
 mod documented_runs;
 mod endurance;

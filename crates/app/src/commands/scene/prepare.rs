@@ -22,6 +22,8 @@ use std::time::Instant;
 const PAGE: u32 = 64;
 /// What a description takes at most for where its tables lie, in bytes.
 const BYTES_OF_TABLES: u64 = 1024;
+/// Bits of a place that is not asked for otherwise.
+const BITS: u8 = 14;
 /// Bytes of all remarks that a pack keeps.
 const MOST_REMARKED: usize = 1 << 16;
 
@@ -44,7 +46,7 @@ pub(crate) struct PrepareSceneArgs {
     #[arg(long, value_enum)]
     up: Option<UpName>,
     /// Bits of a vertex's place along the largest side of its object, 10 to 16.
-    #[arg(long, value_name = "N", default_value_t = 14)]
+    #[arg(long, value_name = "N", default_value_t = BITS)]
     bits: u8,
     /// Keep every texel of textures as it is, in PNG in place of JPEG.
     #[arg(long)]
@@ -120,21 +122,41 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
     let Some(claim) = claim else {
         return args.say_what_is_there(out, &identity);
     };
-    source.remarks.iter().for_each(|remark| output::say(remark));
-    let built = args.build(&source, jobs)?;
-    built.remarks.iter().for_each(|remark| output::say(remark));
-    args.refuse_mends(&built.repairs, &source.remarks)?;
-    let description = args.description(&source, &built, identity);
-    refuse_too_long(&description)?;
-    drop(source);
-    let units = built.units.into_iter().map(|unit| (unit.row, unit.payload));
-    write_scene(claim, description, units)?;
+    args.write(source, (claim, identity), jobs)?;
     let seconds = begun.elapsed().as_secs_f64();
     let mut scene = SceneInfo::new(&SceneFile::open(out)?);
     scene.seconds = Some(seconds);
     scene.peak_memory_bytes = peak_memory_bytes();
     let text = format!("{}: {seconds:.1} s\n{}", out.display(), scene.text());
     args.say_done(&scene, false, &text)
+}
+
+/// Refuses a 3D file that cannot be read.
+pub(crate) fn check_scene(input: &Path) -> anyhow::Result<()> {
+    PrepareSceneArgs::usual(input, input).read().map(|_| ())
+}
+
+/// Makes a pack of a 3D file with the usual settings at `out`, in the place of any other pack
+/// there, unless that was made in the same way.
+pub(crate) fn prepare_usual(input: &Path, out: &Path) -> anyhow::Result<()> {
+    let args = PrepareSceneArgs::usual(input, out);
+    let source = args.read()?;
+    let identity = args.identity(&source);
+    if is_there(out, &identity).is_some() {
+        output::say(&format!("{}: already prepared, used again", out.display()));
+        return Ok(());
+    }
+    output::say(&format!("{}: is being prepared", input.display()));
+    let claim = NameClaim::of(out, if_taken(pack_at(out)?.as_ref()))?;
+    args.write(source, (claim, identity), output::jobs(None)?)
+}
+
+/// The pack at `out`, where it is whole and was made in the same way.
+fn is_there(out: &Path, identity: &Identity) -> Option<SceneFile> {
+    let file = SceneFile::open(out).ok()?;
+    let made = &file.pack().description().identity;
+    let is_same = made.difference(identity).is_none() && file.verify(|_, _| ()).is_empty();
+    is_same.then_some(file)
 }
 
 /// A pack whose description is too long could not be opened.
@@ -170,6 +192,42 @@ fn kept_remarks(remarks: &[String]) -> Vec<String> {
 }
 
 impl PrepareSceneArgs {
+    /// What is usual for one file.
+    fn usual(input: &Path, out: &Path) -> Self {
+        Self {
+            inputs: vec![input.to_owned()],
+            out: Some(out.to_owned()),
+            up: None,
+            bits: BITS,
+            exact: false,
+            allow_outside: false,
+            jobs: None,
+            strict: false,
+            force: true,
+            dry_run: false,
+            json: false,
+        }
+    }
+
+    /// Builds a scene that was read and writes its pack.
+    fn write(
+        &self,
+        source: SourceScene,
+        (claim, identity): (NameClaim, Identity),
+        jobs: usize,
+    ) -> anyhow::Result<()> {
+        source.remarks.iter().for_each(|remark| output::say(remark));
+        let built = self.build(&source, jobs)?;
+        built.remarks.iter().for_each(|remark| output::say(remark));
+        self.refuse_mends(&built.repairs, &source.remarks)?;
+        let description = self.description(&source, &built, identity);
+        refuse_too_long(&description)?;
+        drop(source);
+        let units = built.units.into_iter().map(|unit| (unit.row, unit.payload));
+        write_scene(claim, description, units)?;
+        Ok(())
+    }
+
     fn read(&self) -> anyhow::Result<SourceScene> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         let options = ReadOptions {
@@ -269,12 +327,7 @@ impl PrepareSceneArgs {
     }
 
     fn say_what_is_there(&self, out: &Path, identity: &Identity) -> anyhow::Result<()> {
-        let there = SceneFile::open(out).ok();
-        let same = there.filter(|file| {
-            let about = file.pack().description();
-            about.identity.difference(identity).is_none() && file.verify(|_, _| ()).is_empty()
-        });
-        let Some(file) = same else {
+        let Some(file) = is_there(out, identity) else {
             bail!(WrongUsage(format!(
                 "--out {}: another pack is there; choose another name, or give --force to replace \
                  it",

@@ -169,24 +169,6 @@ fn what_is_chosen_and_played_is_told_of_as_documented() {
     agrees("simulate", &[&alone, &on_panels]);
     let log = format!("{out}/session.jsonl");
     agrees("replay", &[&json(&["replay", &log, "--pack", &pack])]);
-    // A pack that is still good stands in for the scene of 360°, which takes minutes to prepare.
-    let demo = folder.name("demo");
-    std::fs::create_dir(&demo).unwrap();
-    let scene = write_clip(&folder, "demo/generated-360.mkv", &waves([64, 48], 1));
-    let kept = format!("{demo}/generated-360.foveal");
-    done(&["prepare", "video", &scene, "--frames", "64", "--out", &kept]);
-    let show = [
-        "demo",
-        "--input",
-        &clip,
-        "--renderer",
-        "cpu",
-        "--view",
-        "160x100",
-        "--out",
-        &demo,
-    ];
-    agrees("demo", &[&json(&show)]);
 }
 
 #[test]

@@ -1,11 +1,12 @@
 //! What is measured: a scene, its source, and its pack?
 
+use crate::run::mesh_file::ply;
 use anyhow::{Context, bail};
 use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_scene::baseline::{FinestMesh, finest_meshes};
 use foveal_scene::generate::torus;
 use foveal_scene::read::{ReadOptions, read};
-use foveal_scene::source::{SourceMesh, SourceScene};
+use foveal_scene::source::SourceScene;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -87,25 +88,4 @@ fn prepare_apart(input: &Path, pack: &Path) -> anyhow::Result<Value> {
         bail!("{}: cannot be prepared: {}", input.display(), said.trim());
     }
     Ok(serde_json::from_slice(&done.stdout)?)
-}
-
-/// Positions and triangles as a binary PLY.
-fn ply(mesh: &SourceMesh) -> Vec<u8> {
-    let mut bytes = format!(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\n\
-         property float y\nproperty float z\nelement face {}\n\
-         property list uchar int vertex_indices\nend_header\n",
-        mesh.positions.len(),
-        mesh.triangles.len()
-    )
-    .into_bytes();
-    for position in &mesh.positions {
-        let numbers = position.as_vec3().to_array();
-        bytes.extend(numbers.iter().flat_map(|it| it.to_le_bytes()));
-    }
-    for triangle in &mesh.triangles {
-        bytes.push(3);
-        bytes.extend(triangle.iter().flat_map(|it| it.to_le_bytes()));
-    }
-    bytes
 }

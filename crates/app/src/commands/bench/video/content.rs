@@ -6,6 +6,7 @@
 use crate::options::policy::CutOptions;
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting};
+use crate::run::calibrate::CalibrationExtent;
 use crate::run::kept_pack::{calibrate_in_place, kept, plan_of, write_pack};
 use anyhow::{Context, bail};
 use clap::ValueEnum;
@@ -83,7 +84,7 @@ impl Generated {
             write_pack(&original, &pack, &plan, Some(u64::from(FRAMES)))?;
         }
         if system.is_none() {
-            calibrate_in_place(&pack)?;
+            calibrate_in_place(&pack, CalibrationExtent::Usual)?;
         }
         let original = Some(original);
         Ok(PackAndOriginal { pack, original })

@@ -12,7 +12,7 @@ const RAMP: [[f32; 3]; 5] = [
 ];
 
 /// Red, green and blue of `level` where the coarsest is `coarsest`, as the heat map has them.
-pub(super) fn of_level(level: u8, coarsest: u8) -> [u8; 3] {
+pub(crate) fn of_level(level: u8, coarsest: u8) -> [u8; 3] {
     let place = f32::from(level) / f32::from(coarsest.max(1)) * 4.0;
     let low = (place as usize).min(3);
     let part = place - low as f32;
@@ -23,13 +23,13 @@ pub(super) fn of_level(level: u8, coarsest: u8) -> [u8; 3] {
 }
 
 /// The same as CSS writes it.
-pub(super) fn css_of_level(level: u8, coarsest: u8) -> String {
+pub(crate) fn css_of_level(level: u8, coarsest: u8) -> String {
     let [r, g, b] = of_level(level, coarsest);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 /// Which colour is which level of a pack, as HTML.
-pub(super) fn level_key(about: &Description) -> String {
+pub(crate) fn level_key(about: &Description) -> String {
     let coarsest = about.levels - 1;
     let item = |level: u8| {
         let scale = u64::from(about.ratio).pow(u32::from(level));

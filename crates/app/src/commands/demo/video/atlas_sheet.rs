@@ -3,7 +3,7 @@
 //! The resident tiles as they are held, side by side, finest level first, each framed in the colour
 //! that its level has in the heat map.
 
-use crate::commands::demo::colours::of_level;
+use crate::commands::demo::video::colours::of_level;
 use anyhow::Context;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_play::Player;
@@ -21,10 +21,10 @@ const SHRUNK: [u32; 6] = [1, 2, 3, 4, 6, 8];
 const PAPER: [u8; 3] = [24, 26, 30];
 
 /// The sheet.
-pub(super) struct Sheet {
-    pub(super) image: RgbaImage,
+pub(crate) struct Sheet {
+    pub(crate) image: RgbaImage,
     /// Times that tiles are shown smaller than they are, on a side.
-    pub(super) shrunk: u32,
+    pub(crate) shrunk: u32,
 }
 
 /// Where each tile goes, and how high that makes the sheet.
@@ -34,7 +34,7 @@ struct Layout {
 }
 
 /// The sheet of `tiles`, about `width` pixels wide.
-pub(super) fn of(player: &mut Player, tiles: &[Tile], width: u32) -> anyhow::Result<Sheet> {
+pub(crate) fn of(player: &mut Player, tiles: &[Tile], width: u32) -> anyhow::Result<Sheet> {
     let grid = *player.grid();
     let mut tiles = tiles.to_vec();
     tiles.sort_by_key(|tile| (tile.level, grid.rank(*tile)));

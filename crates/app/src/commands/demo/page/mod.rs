@@ -1,0 +1,4 @@
+//! How does a report read?
+
+pub(super) mod part;
+pub(super) mod report;
