@@ -5,6 +5,7 @@ pub(crate) mod in_parallel;
 pub(crate) mod kept_pack;
 pub(crate) mod loss;
 pub(crate) mod mesh_file;
+mod not_the_file;
 pub(crate) mod open_player;
 pub(crate) mod optics;
 pub(crate) mod other_input;
