@@ -3,6 +3,7 @@
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output;
 use crate::report::remarks::remarks_told;
+use crate::run::calibrate::sphere_width_deg;
 use clap::Args;
 use foveal_core::content::calibration::Expectation;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy};
@@ -36,7 +37,7 @@ pub(crate) struct InfoArgs {
 #[derive(Debug, Serialize)]
 pub(crate) struct PackInfo {
     content: MediaKind,
-    projection: Projection,
+    pub(crate) projection: Projection,
     pub(crate) frames: u32,
     /// Null for a picture.
     fps: Option<f64>,
@@ -181,6 +182,15 @@ impl CalibrationInfo {
         Some((Policy::judged_for(rule).name(), share))
     }
 
+    /// The largest view that was judged, in words.
+    pub(crate) fn finest_view(&self, projection: Projection) -> String {
+        let densities = self.of.densities(Expectation::ByLoss);
+        match (projection, densities.last()) {
+            (Projection::Flat, _) | (_, None) => "at full size".to_owned(),
+            (_, Some(ppd)) => format!("in a view {}", view_of_sphere(*ppd)),
+        }
+    }
+
     /// A table: a row for each size of view, a column for each score, in each the cheaper rule.
     fn text(&self, projection: Projection) -> String {
         let mut densities = self.of.densities(Expectation::ByLoss);
@@ -194,7 +204,7 @@ impl CalibrationInfo {
             let view = match (projection, (finest / ppd).round()) {
                 (Projection::Flat, 1.0) => format!("full size ({ppd:.1} pixels/°)"),
                 (Projection::Flat, times) => format!("1/{times} size ({ppd:.1} pixels/°)"),
-                _ => format!("{ppd:.1} pixels/°"),
+                _ => view_of_sphere(ppd),
             };
             let _ = write!(text, "\n  {view:<26}");
             for target in SHOWN_TARGETS {
@@ -221,6 +231,10 @@ impl CalibrationInfo {
             )
         })
     }
+}
+
+fn view_of_sphere(ppd: f64) -> String {
+    format!("{:.0}° wide, {ppd:.1} pixels/°", sphere_width_deg(ppd))
 }
 
 /// How long a video lasts; `None` of a picture.

@@ -311,11 +311,11 @@ impl PrepareVideoArgs {
     fn say_done(&self, pack: &PackInfo, new: Option<f64>, text: &str) -> anyhow::Result<()> {
         let calibration = pack.calibration.as_ref();
         let at_target = calibration.and_then(CalibrationInfo::at_default_target);
-        let text = match at_target {
-            Some((policy, share)) => format!(
-                "{}\nfor {DEFAULT_TARGET} JOD at full size auto chooses {policy}, with {:.1} % of \
-                 the pixels",
+        let text = match calibration.zip(at_target) {
+            Some((calibration, (policy, share))) => format!(
+                "{}\nfor {DEFAULT_TARGET} JOD {} auto chooses {policy}, with {:.1} % of the pixels",
                 text.trim_end(),
+                calibration.finest_view(pack.projection),
                 100.0 * share.min(1.0)
             ),
             None => text.to_owned(),

@@ -9,6 +9,7 @@ mod glimpses;
 mod measures;
 mod searching;
 
+pub(crate) use glimpses::sphere_width_deg;
 pub(crate) use measures::CalibrationExtent;
 
 use crate::commands::score::{display_of_view, picture_of};

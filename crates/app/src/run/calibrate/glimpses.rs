@@ -19,8 +19,11 @@ const WIDEST: u32 = 1920;
 const SMALLER: [u32; 3] = [1, 2, 3];
 /// Smallest side of a view that is judged.
 const LEAST_SIDE: u32 = 48;
-/// Views of spheres: pixels per degree ahead, and degrees across.
+/// Views of spheres: pixels per degree ahead, and degrees across. The first is no finer than the
+/// sphere itself, as views of its own size are not.
 const SPHERE_VIEWS: [[f64; 2]; 2] = [[11.0, 80.0], [22.0, 50.0]];
+/// No view of a sphere is coarser than this, however few its pixels.
+const LEAST_PPD: f64 = 1.0;
 /// Height over width of a view of a sphere.
 const SPHERE_SHAPE: f64 = 0.625;
 /// Where the eye looks: on flat content in halves of its width and height from the middle, right
@@ -176,8 +179,19 @@ fn views_of(surface: &Surface) -> Vec<EyeView> {
                 .filter(|size| size[0].min(size[1]) >= LEAST_SIDE);
             fits.map(|size| EyeView::holding(surface, size)).collect()
         }
-        Projection::Cube | Projection::Equirect => SPHERE_VIEWS.map(sphere_view).to_vec(),
+        Projection::Cube | Projection::Equirect => {
+            let [[coarse, wide], fine] = SPHERE_VIEWS;
+            let middle = surface.size.map(|side| f64::from(side) / 2.0);
+            let own = surface.ppd(middle).0.max(LEAST_PPD);
+            vec![sphere_view([coarse.min(own), wide]), sphere_view(fine)]
+        }
     }
+}
+
+/// How wide the view of a sphere is that was judged at a density, in degrees.
+pub(crate) fn sphere_width_deg(ppd: f64) -> f64 {
+    let [[coarse, wide], [_, narrow]] = SPHERE_VIEWS;
+    if ppd < 1.5 * coarse { wide } else { narrow }
 }
 
 fn sphere_view([ppd, across]: [f64; 2]) -> EyeView {

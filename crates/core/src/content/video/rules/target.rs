@@ -50,7 +50,7 @@ const JUDGED_SLOPE_STEPS: f64 = 4.0;
 const JUDGED_SLOPES: u32 = 33;
 /// So far may the expected score lie below the target, in JOD, where a judge saw the content: tiles
 /// may be so large that the next finer choice lies far above.
-const BELOW_TARGET_JOD: f64 = 0.15;
+const BELOW_TARGET_JOD: f64 = 0.1;
 /// So far may what was chosen before lie from the target and stay, in JOD, where a judge saw the
 /// content.
 const STAYS_WITHIN_JOD: f64 = 0.1;
