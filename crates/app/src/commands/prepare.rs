@@ -22,7 +22,7 @@ use foveal_media::VideoInput;
 use foveal_media::pack::name_claim::NameClaim;
 use foveal_media::pack::pack_file::{PackFile, partial_path};
 use foveal_media::prepare::{
-    Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, SpherePack,
+    Event, PreparationPlan, PrepareError, PrepareSettings, ProjectionChoice, Quality, SpherePack,
     StereoChoice, Witness, pack_identity_of, prepare_resumable, rehearse,
 };
 use foveal_media::read::film::deinterlace::Deinterlace;
@@ -421,7 +421,14 @@ impl PrepareVideoArgs {
                 counted(rehearsed, "frame"),
             ),
         };
-        let text = format!("{all}; {by} (nothing written)");
+        let more = match (self.codec.quality()?, self.calibrate.extent()) {
+            (Quality::Auto, _) | (_, Some(_)) => {
+                ", without finding its quality and calibrating it, which take a minute or two of \
+                 CPU time"
+            }
+            _ => "",
+        };
+        let text = format!("{all}{more}; {by} (nothing written)");
         output::result(self.json, &estimate, &text)
     }
 }

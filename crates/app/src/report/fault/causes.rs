@@ -45,7 +45,7 @@ fn of_system(kind: ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::NotFound => "check the path",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "check the permissions",
-        ErrorKind::AlreadyExists => "remove what lies there, or give another name",
+        ErrorKind::AlreadyExists => "give another name",
         ErrorKind::NotADirectory => "a part of the path is a file; check the path",
         ErrorKind::IsADirectory => "give a file, not a folder",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {

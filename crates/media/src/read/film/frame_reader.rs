@@ -11,7 +11,7 @@ use av::{Packet, decoder};
 use ffmpeg_next as av;
 
 use crate::error::{MediaError, is_system_full};
-use crate::ffmpeg::{path_for_ffmpeg, start, wants_more};
+use crate::ffmpeg::{lacks_resources, path_for_ffmpeg, start, wants_more};
 use crate::read::film::corrected::file::CorrectedFile;
 use crate::read::film::damage_log::DamageLog;
 use crate::read::film::ends::cut_short::{ToldEnd, why_cut};
@@ -126,6 +126,11 @@ impl FrameReader {
         // A picture that is damaged is refused: there is no other that shows what is missing.
         let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
         let mends = most_left_out.is_some();
+        let starved = |e| MediaError::OtherFile {
+            path: path.to_owned(),
+            what: format!("no decoder can be had for it ({e})"),
+            next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
+        };
         let unsupported = |e| MediaError::Unsupported {
             path: path.to_owned(),
             field: "the video codec",
@@ -137,7 +142,10 @@ impl FrameReader {
         let log = DamageLog::of_decoder();
         let pieces = Pieces::of(codec, &extra_of(&stream));
         let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
-        let decoder = decoder.map_err(unsupported)?;
+        let decoder = decoder.map_err(|e| match lacks_resources(e) {
+            true => starved(e),
+            false => unsupported(e),
+        })?;
         let judge = match mends && explodes {
             true => Judge::of(|log| open_decoder(&stream, true, false, log).ok()),
             false => None,

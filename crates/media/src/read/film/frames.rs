@@ -164,7 +164,8 @@ impl Frames {
     fn take(&mut self, mut frame: Video) -> Result<(), Break> {
         let stamp = frame.timestamp();
         let wants = self.options.deinterlace != Deinterlace::Off;
-        let is_interlaced = frame.is_interlaced();
+        // A still that is stored in passes is whole.
+        let is_interlaced = frame.is_interlaced() && !self.is_image();
         let layout = (frame.format(), [frame.width(), frame.height()]);
         if self.made_for.is_some_and(|made_for| made_for != layout) {
             self.end_deinterlacer()?;

@@ -106,7 +106,7 @@ impl Reader<'_> {
             count(&mut self.scene.repairs, "files_left_out", 1);
             self.scene.remark(format!(
                 "line {line} asks for the file \"{name}\" to be read there (`call`): it is left \
-                 out; give that file as another input"
+                 out; put its lines in the place of this one"
             ));
         } else if !matches!(name.as_str(), "" | "off" | "none") {
             count(&mut self.scene.repairs, "missing_images", 1);
