@@ -33,7 +33,8 @@ pub(crate) fn path_for_ffmpeg(path: &Path) -> Result<PathBuf, String> {
 
 /// Whether the system had no thread or no memory left.
 pub(crate) fn lacks_resources(error: av::Error) -> bool {
-    matches!(error, av::Error::Other { errno } if [av::error::EAGAIN, av::error::ENOMEM].contains(&errno))
+    let starved = [av::error::EAGAIN, av::error::ENOMEM];
+    matches!(error, av::Error::Other { errno } if starved.contains(&errno))
 }
 
 /// Whether FFmpeg asks for more input before it can give output.

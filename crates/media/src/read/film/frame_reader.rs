@@ -105,6 +105,24 @@ pub(crate) struct FrameReader {
     aperture: Option<CleanAperture>,
 }
 
+/// Why a codec cannot be decoded: the system has too little left for it, or FFmpeg lacks it.
+fn no_decoder(path: &Path, codec: Id, error: av::Error) -> MediaError {
+    let path = path.to_owned();
+    match lacks_resources(error) {
+        true => MediaError::OtherFile {
+            path,
+            what: format!("no decoder can be had for it ({error})"),
+            next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
+        },
+        false => MediaError::Unsupported {
+            path,
+            field: "the video codec",
+            found: format!("{codec:?} ({error})").to_lowercase(),
+            next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
+        },
+    }
+}
+
 impl FrameReader {
     /// Opens the file, which is `bytes` long, and the decoder of its video stream. A reader that
     /// mends shows what is damaged as far as it can be restored, on one thread, but for so many
@@ -126,26 +144,12 @@ impl FrameReader {
         // A picture that is damaged is refused: there is no other that shows what is missing.
         let most_left_out = most_left_out.filter(|_| !source::is_image_format(&input));
         let mends = most_left_out.is_some();
-        let starved = |e| MediaError::OtherFile {
-            path: path.to_owned(),
-            what: format!("no decoder can be had for it ({e})"),
-            next: "raise the limits on threads and memory: `ulimit -u`, `ulimit -v`".to_owned(),
-        };
-        let unsupported = |e| MediaError::Unsupported {
-            path: path.to_owned(),
-            field: "the video codec",
-            found: format!("{:?} ({e})", stream.parameters().id()).to_lowercase(),
-            next: "convert the file with `ffmpeg -i FILE OUT.mp4`, or check that it is whole",
-        };
         let codec = stream.parameters().id();
         let explodes = TOLD_TO_EXPLODE.contains(&codec);
         let log = DamageLog::of_decoder();
         let pieces = Pieces::of(codec, &extra_of(&stream));
         let decoder = open_decoder(&stream, explodes && !mends, !mends, &log);
-        let decoder = decoder.map_err(|e| match lacks_resources(e) {
-            true => starved(e),
-            false => unsupported(e),
-        })?;
+        let decoder = decoder.map_err(|e| no_decoder(path, codec, e))?;
         let judge = match mends && explodes {
             true => Judge::of(|log| open_decoder(&stream, true, false, log).ok()),
             false => None,

@@ -34,6 +34,8 @@ const TEXTS: [&[u8]; 9] = [
 ];
 /// Members that are true or false.
 const TRUTHS: [&[u8]; 2] = [b"doubleSided", b"normalized"];
+/// Lists whose numbers change nothing where they are 1.
+const ONES: [&[u8]; 3] = [b"\"scale", b"\"baseColorFactor", b"\"diffuseFactor"];
 /// The largest whole number that a `float` of 64 bits holds exactly.
 const MOST_EXACT: f64 = 9_007_199_254_740_992.0;
 
@@ -160,6 +162,13 @@ impl Writer {
         })
     }
 
+    /// Whether the list whose value is next belongs to a member of one of these names.
+    fn is_in_list_of(&self, names: &[&[u8]]) -> bool {
+        let list = self.out.iter().rposition(|byte| *byte == b'[');
+        let before = list.and_then(|at| self.out[..at].strip_suffix(b"\":"));
+        before.is_some_and(|before| names.iter().any(|name| before.ends_with(name)))
+    }
+
     /// Whether the text that was written from a place on is a number, or true or false.
     fn is_number_from(&self, begun: usize) -> bool {
         let text = &self.out[begun + 1..self.out.len() - 1];
@@ -197,7 +206,12 @@ impl Writer {
             }
             Some(number) if !number.is_finite() => {
                 self.mended += 1;
-                self.out.push(b'0');
+                let neutral = if self.is_in_list_of(&ONES) {
+                    b'1'
+                } else {
+                    b'0'
+                };
+                self.out.push(neutral);
             }
             Some(number)
                 if word.iter().any(|byte| b".eE".contains(byte))
@@ -243,6 +257,7 @@ mod tests {
                 2,
             ),
             (r#"{"a": NaN, "b": [NaN, -inf]}"#, r#"{"b":[0,0]}"#, 4),
+            (r#"{"scale": [2, NaN]}"#, r#"{"scale":[2,1]}"#, 1),
             (
                 r#"{"count": "81", "name": "81", "at": ["1", "-2.5e0", "x"]}"#,
                 r#"{"count":81,"name":"81","at":[1,-2.5e0,"x"]}"#,

@@ -333,7 +333,7 @@ fn alpha_is_read_as_linear_light_and_a_flat_profile_is_a_screen() {
 /// A wrong document, and what the message names.
 type WrongDocument = (String, &'static [&'static str]);
 
-fn wrong_documents() -> [WrongDocument; 15] {
+fn wrong_documents() -> [WrongDocument; 14] {
     let sound = document(FRUSTUM, "");
     [
         (sound.replace("MPCDI", "HTML"), &["line 2", "not an MPCDI"]),
