@@ -272,6 +272,12 @@ impl SimulateArgs {
         }
         if self.watching.link.is_none() {
             with.policy = self.policy.seen_by_many(&rig.panels);
+            if with.policy.policy() != self.policy.policy() {
+                output::say(
+                    "the panels are seen by many eyes, so viewport is played; give --policy to \
+                     choose for one",
+                );
+            }
         }
         Ok(with)
     }

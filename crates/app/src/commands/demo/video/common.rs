@@ -62,7 +62,7 @@ pub(crate) fn score_card(played: &Played) -> Card {
                 counted(played.judged, "frame")
             ),
             format!(
-                "{} against the source, of full {}",
+                "{} against the source ({} of full)",
                 jod(own.source_score.as_ref()),
                 jod(full.source_score.as_ref())
             ),
@@ -164,7 +164,7 @@ pub(crate) fn pixels_plot(played: &Played) -> Plot {
     let all: Vec<PlotLine<'_>> = COLUMNS.into_iter().enumerate().map(line).collect();
     Plot {
         title: "Pixels a frame",
-        text: "in % of the finest level. Grey bands are saccades; the dotted line is the frame in \
+        text: "In % of the finest level. Grey bands are saccades; the dotted line is the frame in \
                the pictures.",
         svg: lines("Pixels a frame", &run, &all),
     }

@@ -65,8 +65,13 @@ fn pack(content: &Prepared) -> String {
         }
         None => "prepared by an earlier run and used again".to_owned(),
     };
+    // Of pictures `prepare` takes the same quantisers.
+    let quality = match about.is_still() {
+        true => "",
+        false => ", all of one quality to save time (`foveal prepare` looks for one by content)",
+    };
     format!(
-        "Pack: {}, {}, {cut}, {}, {} from {}; {took}.",
+        "Pack: {}, {}, {cut}, {}, {} from {}{quality}; {took}.",
         about.codec.name().to_uppercase(),
         counted(about.levels, "level"),
         counted(file.pack().units().count(), "unit"),
