@@ -64,7 +64,7 @@ impl CodecOptions {
                 let read = |q: &&str| q.parse().ok().filter(|q| (1..=100).contains(q));
                 let all: Option<Vec<u8>> = all.iter().map(read).collect();
                 all.map(Quality::Ijg)
-                    .ok_or_else(|| out_of_range("--quality", text, "q1 to q100"))
+                    .ok_or_else(|| out_of_range("--quality", format!("{text:?}"), "q1 to q100"))
             }
             _ => {
                 let least = u8::from(self.codec == Codec::Jpeg);
@@ -73,7 +73,7 @@ impl CodecOptions {
                 let all: Option<Vec<u8>> = text.split(',').map(read).collect();
                 let named = format!("{least} to {} for {}", range.end(), self.codec.name());
                 all.map(Quality::Quantiser)
-                    .ok_or_else(|| out_of_range("--quality", text, &named))
+                    .ok_or_else(|| out_of_range("--quality", format!("{text:?}"), &named))
             }
         }
     }

@@ -82,11 +82,7 @@ impl std::error::Error for WrongUsage {}
 
 /// The error for an option with this name and value out of `range`.
 pub(crate) fn out_of_range(option: &str, found: impl ToString, range: &str) -> WrongUsage {
-    let found = found.to_string();
-    WrongUsage(match found.parse::<f64>() {
-        Ok(_) => format!("{option} is {found}; give {range}"),
-        Err(_) => format!("{option} is \"{found}\"; give {range}"),
-    })
+    WrongUsage(format!("{option} is {}; give {range}", found.to_string()))
 }
 
 /// Says why the command failed, under `--json` also on stdout: 2 for wrong usage, 1 for anything

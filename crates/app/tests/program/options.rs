@@ -68,7 +68,7 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
     refused(
         2,
         &["prepare", "video", &clip, "--out", &precious],
-        &["precious.mkv", "no pack", "another --out"],
+        &["precious.mkv", "not a pack", "another --out"],
     );
     assert_eq!(std::fs::read(&precious).unwrap(), video);
     refused(1, &["info", &clip], &["foveal prepare video", "a.mkv"]);

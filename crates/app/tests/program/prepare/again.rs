@@ -172,7 +172,7 @@ fn what_is_no_pack_is_refused_and_not_even_force_removes_it() {
     let (diary_kept, inside_kept) = (Kept::of(&diary), Kept::of(&inside));
     for force in [&[][..], &["--force"]] {
         for (out, what) in [(&diary, "a file"), (&kept, "a folder")] {
-            let words = [out.as_str(), what, "no pack", "--force"];
+            let words = [out.as_str(), what, "not a pack", "--force"];
             refused(2, &[&prepare(&clip, out)[..], force].concat(), &words);
         }
     }
