@@ -34,10 +34,7 @@ pub struct Trace {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum TraceError {
     /// No header line.
-    #[error(
-        "line 1: the header must name t_s, yaw_deg and pitch_deg, and lacks {0}; a tracker's own \
-         table needs --gaze-columns"
-    )]
+    #[error("line 1: the header must name t_s, yaw_deg and pitch_deg; it lacks {0}")]
     Header(&'static str),
     /// A value that is no number, not finite, or out of range.
     #[error("line {line}, column {column}: found \"{found}\", expected {expected}")]
