@@ -58,7 +58,8 @@ fn short(word: &str) -> Option<f64> {
     let (size, power, None) = (parts.next()?, parts.next()?, parts.next()) else {
         return None;
     };
-    let has_three = power.len() == 4 && power[1..].bytes().all(|it| it.is_ascii_digit());
+    let digits = power.as_bytes().get(1..)?;
+    let has_three = digits.len() == 3 && digits.iter().all(u8::is_ascii_digit);
     let number = has_three.then(|| format!("{size}e{power}"))?;
     number.parse().ok()
 }
@@ -80,5 +81,6 @@ mod tests {
         assert_eq!(of("0.5-0.3 1 2", 3), None);
         assert_eq!(of("0.5-x 1", 3), None);
         assert_eq!(of("0.5-0.3 1", 4), None);
+        assert_eq!(of("1,\u{ad}\u{ad} 2 3", 3), None);
     }
 }
