@@ -1,37 +1,17 @@
 //! Are pictures shown right whose files or kinds other programs stumble over?
 
 use super::film_file::coded;
-use crate::support::{Folder, Rgb, done, frame_picture, json_of, refused};
+use super::stills;
+use crate::support::{Folder, Rgb, refused};
 use ffmpeg_next::format::Pixel;
 use image_webp::{ColorType, WebPEncoder};
 use serde_json::Value;
 use std::slice::from_ref;
 
-/// Prepares a picture without loss; what is reported, and what is seen of its first frame.
+/// What is reported of a picture, and what is seen of it.
 fn seen(folder: &Folder, file: &str, view: &str) -> (Value, Rgb) {
-    let (pack, out) = (folder.name("seen.foveal"), folder.name("seen"));
-    let prepare = [
-        "prepare",
-        "video",
-        file,
-        "--out",
-        &pack,
-        "--force",
-        "--no-loss",
-    ];
-    let how = [
-        "--codec",
-        "png",
-        "--levels",
-        "1",
-        "--calibrate",
-        "off",
-        "--json",
-    ];
-    let told = json_of(&done(&[&prepare[..], &how].concat()));
-    let play = ["simulate", &pack, "--policy", "full", "--renderer", "cpu"];
-    done(&[&play[..], &["--view", view, "--out", &out]].concat());
-    (told, frame_picture(&out, 0))
+    let (told, shown, _) = stills::seen(folder, file, view);
+    (told, shown)
 }
 
 fn remarks(told: &Value) -> String {

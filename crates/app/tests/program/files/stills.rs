@@ -6,7 +6,7 @@ use ffmpeg_next::format::Pixel;
 use image_webp::{ColorType, WebPEncoder};
 
 /// Prepares a picture without loss and gives what is seen of its first frame.
-fn seen(folder: &Folder, file: &str, view: &str) -> (serde_json::Value, Rgb, String) {
+pub(super) fn seen(folder: &Folder, file: &str, view: &str) -> (serde_json::Value, Rgb, String) {
     let (pack, out) = (folder.name("seen.foveal"), folder.name("seen"));
     let prepare = [
         "prepare",
