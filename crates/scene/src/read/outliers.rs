@@ -315,16 +315,14 @@ pub(super) fn clouds(
 pub(super) fn clouds_on_grid(mut cloud: SourceCloud, scene: &mut SourceScene) -> Vec<SourceCloud> {
     cloud.colours = unless_black(&cloud.name, cloud.colours, &cloud.intensities, scene);
     let at = |number: usize| cloud.at(number);
-    let mut ends = [[i32::MAX; 3], [i32::MIN; 3]];
+    let [mut least, mut most] = [[i32::MAX; 3], [i32::MIN; 3]];
     for place in &cloud.places {
-        ends = [0, 1].map(|end| {
-            [0, 1, 2].map(|k| match end {
-                0 => ends[0][k].min(place[k]),
-                _ => ends[1][k].max(place[k]),
-            })
-        });
+        for axis in 0..3 {
+            least[axis] = least[axis].min(place[axis]);
+            most[axis] = most[axis].max(place[axis]);
+        }
     }
-    let all = ends.map(|it| cloud.of_place(it));
+    let all = [least, most].map(|it| cloud.of_place(it));
     let Some(parts) = part_points(&cloud.name, (cloud.places.len(), all), &at, scene) else {
         return vec![cloud];
     };
