@@ -24,7 +24,7 @@ mod tile_decoder;
 
 pub use decoding::Decoding;
 pub use error::PlayError;
-pub use live::{LiveOptions, LivePack, LivePlayer, Stepped};
+pub use live::{LiveOptions, LivePlayer, Stepped};
 pub use look::Look;
 pub use player::{Player, PlayerOptions};
 pub use rendered_worth::worth_both_ways;

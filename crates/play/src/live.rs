@@ -8,60 +8,27 @@ use crate::feed::{DecodeFeed, Decoder};
 use crate::mesh_reader::MeshReader;
 use crate::step::step;
 use crate::tile_decoder::TileDecoder;
-use foveal_core::content::demand::Content;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::video::Video;
 use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
-use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::SceneFile;
+use foveal_media::pack::pack::Pack;
 use foveal_render::Drawer;
-use std::path::Path;
-use std::sync::Arc;
 
 /// Tiles under way for each decoding thread.
 const TILES_AHEAD: usize = 2;
 /// Units of a scene that are read whatever is wanted next.
 const MESHES_AHEAD: usize = 4;
 
-/// A pack that is open, of any kind.
-#[derive(Clone, Debug)]
-pub enum LivePack {
-    /// A video, and the same on the screen that it fills.
-    Video(Arc<PackFile>, Arc<Video>),
-    /// A scene.
-    Scene(Arc<SceneFile>),
-}
-
-impl LivePack {
-    /// The file.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        match self {
-            Self::Video(file, _) => file.path(),
-            Self::Scene(file) => file.path(),
+/// What decodes a pack, and how many pieces that takes at once.
+fn decoder(pack: &Pack, decoding: Decoding) -> Result<(Box<dyn Decoder>, usize), PlayError> {
+    Ok(match pack {
+        Pack::Video(file) => {
+            let most = decoding.jobs.max(1) * TILES_AHEAD;
+            (Box::new(TileDecoder::new(file, decoding)?), most)
         }
-    }
-
-    /// What is in it, for a session.
-    #[must_use]
-    pub fn content(&self) -> Arc<dyn Content> {
-        match self {
-            Self::Video(_, video) => Arc::clone(video) as Arc<dyn Content>,
-            Self::Scene(file) => Arc::clone(file.scene()) as Arc<dyn Content>,
-        }
-    }
-
-    /// What decodes it, and how many pieces that takes at once.
-    fn decoder(&self, decoding: Decoding) -> Result<(Box<dyn Decoder>, usize), PlayError> {
-        Ok(match self {
-            Self::Video(file, _) => {
-                let most = decoding.jobs.max(1) * TILES_AHEAD;
-                (Box::new(TileDecoder::new(file, decoding)?), most)
-            }
-            Self::Scene(file) => (Box::new(MeshReader::new(file)), MESHES_AHEAD),
-        })
-    }
+        Pack::Scene(file) => (Box::new(MeshReader::new(file)), MESHES_AHEAD),
+    })
 }
 
 /// How a pack is played live.
@@ -77,7 +44,8 @@ pub struct LiveOptions {
 
 /// A session with what decodes and draws for it.
 pub struct LivePlayer {
-    pack: LivePack,
+    pack: Pack,
+    opened: Opened,
     session: Session,
     feed: DecodeFeed,
     cache: Cache<Payload>,
@@ -96,31 +64,38 @@ pub struct Stepped {
 }
 
 impl LivePlayer {
-    /// Plays a pack; `woken` is called when something was decoded.
+    /// Plays a pack, opened on a screen; `woken` is called when something was decoded.
     ///
     /// # Errors
     /// The pack cannot be decoded.
     pub fn new(
-        pack: LivePack,
+        (pack, opened): (Pack, Opened),
         options: LiveOptions,
         drawer: Drawer,
         woken: impl Fn() + Send + 'static,
     ) -> Result<Self, PlayError> {
-        let (decoder, most) = pack.decoder(options.decoding)?;
+        let (decoder, most) = decoder(&pack, options.decoding)?;
         Ok(Self {
-            session: Session::new(vec![pack.content()], options.session),
+            session: Session::new(vec![opened.content()], options.session),
             feed: DecodeFeed::new(decoder, most, options.tell, woken)?,
             cache: Cache::default(),
             drawer,
             fetched_bytes: 0,
             pack,
+            opened,
         })
     }
 
-    /// The pack.
+    /// The file of the pack.
     #[must_use]
-    pub fn pack(&self) -> &LivePack {
+    pub fn pack(&self) -> &Pack {
         &self.pack
+    }
+
+    /// What is in it.
+    #[must_use]
+    pub fn opened(&self) -> &Opened {
+        &self.opened
     }
 
     /// Bytes of a scene's units that were read so far, as often as they were; of video none.
@@ -175,9 +150,7 @@ impl LivePlayer {
     /// The device was lost, or a decoder gave another frame than it was asked for.
     pub fn step(&mut self, now: &Now) -> Result<Stepped, PlayError> {
         for event in self.feed.take(&mut self.cache)? {
-            if let (LivePack::Scene(file), SessionEvent::Decoded { piece, .. }) =
-                (&self.pack, &event)
-            {
+            if let (Pack::Scene(file), SessionEvent::Decoded { piece, .. }) = (&self.pack, &event) {
                 self.fetched_bytes += u64::from(file.pack().entry(piece.unit.unit).bytes);
             }
             self.session.take(event);

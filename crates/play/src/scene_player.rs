@@ -10,7 +10,7 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
-use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
+use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::content::scene::worth::detail_share;
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::pack::unit::UnitId;
@@ -289,7 +289,7 @@ impl ScenePlayer {
 
     fn is_root_of_shape(&self, unit: UnitId) -> bool {
         let row = self.file.pack().row(unit);
-        row.needs.is_empty() && row.kind != UnitKind::Image
+        row.needs.is_empty() && row.kind.facts().is_shape
     }
 
     /// Share of the detail that a viewer could see who looks so, hidden or not, that is on screen.
@@ -345,6 +345,6 @@ impl ScenePlayer {
 
 /// Number of roots that are no pages of textures.
 fn shape_roots(file: &SceneFile) -> usize {
-    let is_one = |row: &&UnitRow| row.needs.is_empty() && row.kind != UnitKind::Image;
+    let is_one = |row: &&UnitRow| row.needs.is_empty() && row.kind.facts().is_shape;
     file.pack().rows().iter().filter(is_one).count()
 }

@@ -37,7 +37,9 @@ pub fn about(head: &[u8]) -> Result<String, String> {
         Head::Video(_) => {
             let pack = PackInParts::open(head, &[], "", Screen::default()).map_err(told)?;
             let has_sound = pack.table_place(SOUND).is_some();
-            pack.video().map(|video| about_video(video, has_sound))
+            pack.content
+                .video()
+                .map(|video| about_video(video, has_sound))
         }
         Head::Scene(about) => Some(about_scene(&about)),
     };

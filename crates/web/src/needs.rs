@@ -1,7 +1,7 @@
 //! Which bytes of the file are needed, in which order?
 
-use crate::pack_in_parts::ContentInParts;
 use crate::page_player::PagePlayer;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
@@ -113,8 +113,8 @@ impl PagePlayer {
     /// What is to be fetched and decoded now, first what matters most: [`ROW`] numbers each.
     pub fn needs(&self) -> Vec<f64> {
         match &self.pack.content {
-            ContentInParts::Video(video) => self.needs_of_video(video),
-            ContentInParts::Scene(scene) => self.needs_of_scene(scene),
+            Opened::Video(video) => self.needs_of_video(video),
+            Opened::Scene(scene) => self.needs_of_scene(scene),
         }
     }
 

@@ -1,14 +1,11 @@
 //! What is known of a pack that is loaded in parts?
 
 use crate::options::Options;
-use foveal_core::content::demand::Content;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;
-use foveal_core::content::scene::demand::why_not;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::pack::{ScenePack, is_scene};
-use foveal_core::content::scene::sight::Sphere;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::pack::unit::UnitId;
@@ -36,19 +33,12 @@ const OF_SCENE: Bounds = Bounds {
     gpu: 256 << 20,
 };
 
-/// What is in a pack, and what of it has to be loaded.
-#[derive(Clone)]
-pub(crate) enum ContentInParts {
-    /// Pages of the index and side tables come while it plays.
-    Video(Arc<Video>),
-    /// Index and table of units are there.
-    Scene(Arc<Scene>),
-}
-
 /// A pack of which all has been loaded that comes before its units.
 pub(crate) struct PackInParts {
     pub(crate) header: Header,
-    pub(crate) content: ContentInParts,
+    /// What it holds: of a video, pages of the index and side tables come while it plays; of a
+    /// scene, index and table of units are there.
+    pub(crate) content: Opened,
 }
 
 /// The beginning of a pack.
@@ -110,7 +100,7 @@ impl PackInParts {
         let content = match head {
             Head::Video(description) => {
                 let pack = Arc::new(VideoPack::begin(&header, description)?);
-                ContentInParts::Video(Arc::new(Video::new(name, pack, screen)))
+                Opened::Video(Arc::new(Video::new(name, pack, screen)))
             }
             Head::Scene(about) => {
                 let index = rest.len().min(header.index_bytes as usize);
@@ -119,73 +109,38 @@ impl PackInParts {
                 let (table, objects) = tables.split_at(units);
                 let about = about.with_objects(objects)?;
                 let pack = Arc::new(ScenePack::new(&header, about, index, table)?);
-                ContentInParts::Scene(Arc::new(Scene::new(name, pack)))
+                Opened::Scene(Arc::new(Scene::new(name, pack)))
             }
         };
         Ok(Self { header, content })
     }
 
-    /// The video, where it is one.
-    pub(crate) fn video(&self) -> Option<&Arc<Video>> {
-        match &self.content {
-            ContentInParts::Video(video) => Some(video),
-            ContentInParts::Scene(_) => None,
-        }
-    }
-
-    /// What a session receives.
-    pub(crate) fn content(&self) -> Arc<dyn Content> {
-        match &self.content {
-            ContentInParts::Video(video) => Arc::clone(video) as Arc<dyn Content>,
-            ContentInParts::Scene(scene) => Arc::clone(scene) as Arc<dyn Content>,
-        }
-    }
-
-    /// Where a viewer begins: flat content whole, a sphere towards its front, and a scene from
-    /// where all of it is seen.
+    /// Where a viewer begins.
     pub(crate) fn navigation(&self, options: &Options) -> Navigation {
         let field = Radians::from_degrees(options.field_deg);
-        match &self.content {
-            ContentInParts::Video(video) => {
-                let front = video.pack().description().front_deg;
-                let front = Radians::from_degrees(front);
-                Navigation::new(video.grid().surface, field).facing(front)
-            }
-            ContentInParts::Scene(scene) => {
-                let Sphere { centre, radius } = scene.bounds();
-                Navigation::through((centre, radius), scene.rise(), field)
-            }
-        }
+        self.content.navigation(field)
     }
 
     /// What a session keeps below.
     pub(crate) fn bounds(&self) -> Bounds {
         match &self.content {
-            ContentInParts::Video(_) => OF_VIDEO,
-            ContentInParts::Scene(_) => OF_SCENE,
+            Opened::Video(_) => OF_VIDEO,
+            Opened::Scene(_) => OF_SCENE,
         }
     }
 
     /// What draws it; nothing is resident yet.
     pub(crate) fn drawer(&self, device: &DrawDevice) -> Result<Drawer, RenderError> {
         match &self.content {
-            ContentInParts::Video(video) => Drawer::new(device, video, TileStyle::default()),
-            ContentInParts::Scene(scene) => Drawer::of_scene(device, scene, OF_SCENE.gpu),
-        }
-    }
-
-    /// Why it is not chosen by a policy, whatever tables it has.
-    pub(crate) fn why_not(&self, policy: Policy) -> Option<&'static str> {
-        match &self.content {
-            ContentInParts::Video(_) => None,
-            ContentInParts::Scene(_) => why_not(policy),
+            Opened::Video(video) => Drawer::new(device, video, TileStyle::default()),
+            Opened::Scene(scene) => Drawer::of_scene(device, scene, OF_SCENE.gpu),
         }
     }
 
     /// Where a side table that comes later lies in the file; `None` where no table has that
     /// name.
     pub(crate) fn table_place(&self, name: &str) -> Option<Range<u64>> {
-        let table = self.video()?.table(name)?;
+        let table = self.content.video()?.table(name)?;
         let end = table.offset.checked_add(table.bytes)?;
         (end <= self.header.file_bytes).then_some(table.offset..end)
     }
@@ -193,7 +148,7 @@ impl PackInParts {
     /// What a unit's chunk holds, where no decoder but this one reads it: of a scene.
     pub(crate) fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
         let field = || format!("chunk of unit {}", unit.0);
-        let ContentInParts::Scene(scene) = &self.content else {
+        let Opened::Scene(scene) = &self.content else {
             return Err(wrong(&field(), "of a video", "of a scene"));
         };
         if unit.0 as usize >= scene.pack().len() {

@@ -5,8 +5,9 @@
 use crate::headset_eye::EyeRequest;
 use crate::looking::Looking;
 use crate::options::Options;
-use crate::pack_in_parts::{ContentInParts, PackInParts};
+use crate::pack_in_parts::PackInParts;
 use foveal_core::content::asked::{Detail, next_target};
+use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -92,10 +93,10 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
-            measures: pack.video().is_none(),
+            measures: pack.content.video().is_none(),
             bounds: pack.bounds(),
         };
-        let session = Session::new(vec![pack.content()], settings);
+        let session = Session::new(vec![pack.content.content()], settings);
         refuse_policy(&pack, &session, session.policy())?;
         let viewer = ViewerSettings {
             plays: !options.paused,
@@ -173,7 +174,7 @@ impl PagePlayer {
     /// calibration; `None` until that has been loaded, and where there is none.
     #[must_use]
     pub fn cheaper_policy(&self) -> Option<Policy> {
-        let video = self.pack.video()?;
+        let video = self.pack.content.video()?;
         let target = self.session.policy().target?;
         let density = density_of(&video.grid().surface, &self.shown().view);
         let (rule, _) = video.calibration()?.cheaper(target, Some(density))?;
@@ -267,7 +268,7 @@ impl PagePlayer {
 
     /// Takes a side table; the frames' times count from now on.
     pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
-        if let Some(video) = self.pack.video() {
+        if let Some(video) = self.pack.content.video() {
             let added = video.add_table(name, bytes);
             added.map_err(|error| error.to_string())?;
             self.session.take(SessionEvent::TableLoaded);
@@ -407,8 +408,8 @@ impl PagePlayer {
     /// do not describe an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
         let start = match &self.pack.content {
-            ContentInParts::Video(_) => None,
-            ContentInParts::Scene(_) => Some(self.shown().view.position),
+            Opened::Video(_) => None,
+            Opened::Scene(_) => Some(self.shown().view.position),
         };
         let view = request.view(start)?;
         let right = usize::from(request.eye == foveal_core::view::surface::Eye::Right);
@@ -429,7 +430,7 @@ fn refuse_policy(
     session: &Session,
     config: &PolicyConfig,
 ) -> Result<(), String> {
-    if let Some(why) = pack.why_not(config.policy) {
+    if let Some(why) = pack.content.why_not(config.policy) {
         return Err(format!("policy {}: {why}", config.policy.name()));
     }
     match session.can(config) {

@@ -156,7 +156,7 @@ impl Show {
     /// A page of the index is damaged: the units that it covers cannot be loaded.
     #[wasm_bindgen(js_name = failPage)]
     pub fn fail_page(&self, page: u32) {
-        if let Some(video) = self.player.pack.video() {
+        if let Some(video) = self.player.pack.content.video() {
             video.fail_page(page);
         }
     }
@@ -179,7 +179,7 @@ impl Show {
     /// A side table cannot be had.
     #[wasm_bindgen(js_name = failTable)]
     pub fn fail_table(&self, name: &str) {
-        if let Some(video) = self.player.pack.video() {
+        if let Some(video) = self.player.pack.content.video() {
             video.fail_table(name);
         }
     }
@@ -497,7 +497,7 @@ impl Show {
     /// packet of a stretch of time and the packets; nothing where there is no sound yet.
     #[wasm_bindgen(js_name = soundPackets)]
     pub fn sound_packets(&self, from: f64, to: f64) -> Array {
-        let video = self.player.pack.video();
+        let video = self.player.pack.content.video();
         let sound = video.and_then(|video| video.sound());
         sound.map_or_else(Array::new, |sound| stretch(sound, from, to))
     }
@@ -505,7 +505,7 @@ impl Show {
 
 impl Show {
     fn video(&self) -> Outcome<&Video> {
-        let video = self.player.pack.video();
+        let video = self.player.pack.content.video();
         video
             .map(|video| &**video)
             .ok_or_else(|| refused("a scene has no such parts"))

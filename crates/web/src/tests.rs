@@ -4,8 +4,8 @@
 
 use crate::needs::{Kind, ROW};
 use crate::options::Options;
-use crate::pack_in_parts::ContentInParts;
 use crate::page_player::{PagePlayer, flag};
+use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
@@ -132,7 +132,7 @@ impl Host {
 }
 
 fn video(player: &PagePlayer) -> &Arc<Video> {
-    player.pack.video().unwrap()
+    player.pack.content.video().unwrap()
 }
 
 fn deliver(player: &mut PagePlayer, unit: UnitId, frame: u32) {

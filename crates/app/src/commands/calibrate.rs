@@ -7,8 +7,8 @@ use crate::run::pack_place::{if_taken, pack_at};
 use anyhow::bail;
 use clap::Args;
 use foveal_media::pack::name_claim::NameClaim;
+use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_media::pack::write_calibrated;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -46,13 +46,12 @@ struct CalibrateResult<'a> {
 }
 
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
-    if is_scene_pack(&args.pack) {
+    let Pack::Video(old) = Pack::open(&args.pack)? else {
         bail!(WrongUsage(format!(
             "{}: is a scene; only packs of video can be calibrated",
             args.pack.display()
         )));
-    }
-    let old = PackFile::open(&args.pack)?;
+    };
     if old.signatures()?.is_none() {
         bail!(
             "{}: has no signatures, so no levels can be chosen for a score; prepare it again \

@@ -15,8 +15,8 @@ use foveal_core::content::video::calibration::{Calibration, CalibrationRow};
 use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::units::{Ppd, counted, one_line};
 use foveal_core::view::surface::{Mapping, Projection};
+use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
 use foveal_media::prepare::ANIMATIONS;
 use foveal_media::sphere::{Coverage, face_size_for};
 use serde::Serialize;
@@ -444,10 +444,14 @@ fn is_softer(about: &Description) -> bool {
 }
 
 pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {
-    if is_scene_pack(&args.pack) {
-        let info = SceneInfo::new(&SceneFile::open(&args.pack)?);
-        return output::result(args.json, &info, &info.text());
+    match Pack::open(&args.pack)? {
+        Pack::Video(file) => {
+            let info = PackInfo::new(&file)?;
+            output::result(args.json, &info, &info.text())
+        }
+        Pack::Scene(file) => {
+            let info = SceneInfo::new(&file);
+            output::result(args.json, &info, &info.text())
+        }
     }
-    let info = PackInfo::new(&PackFile::open(&args.pack)?)?;
-    output::result(args.json, &info, &info.text())
 }

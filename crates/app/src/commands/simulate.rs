@@ -27,8 +27,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::head_pose::HeadPose;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::surface::{Projection, Surface};
+use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::is_scene_pack;
 use foveal_play::{FrameReport, Player, PlayerOptions};
 use foveal_render::{DrawDevice, TileStyle};
 use serde::Serialize;
@@ -100,11 +100,11 @@ pub(crate) struct RunSummary {
 
 pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     let args = &args.with_table()?;
-    if is_scene_pack(&args.pack) {
-        return scene::simulate::run(args);
-    }
+    let file = match Pack::open(&args.pack)? {
+        Pack::Scene(file) => return scene::simulate::run(args, file),
+        Pack::Video(file) => file,
+    };
     args.check()?;
-    let file = Arc::new(PackFile::open(&args.pack)?);
     let about = file.pack().description();
     let rig = args.panels.read(args.eye)?;
     let args = &args.with_preset(about.projection);

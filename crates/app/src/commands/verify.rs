@@ -1,13 +1,14 @@
 //! Is every byte of a pack as it was written?
 
-use crate::commands::scene::verify::{Trials, run as verify_scene};
 use crate::report::damage::listed;
 use crate::report::output::{self, WrongUsage};
 use anyhow::anyhow;
 use clap::Args;
+use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
-use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::is_scene_pack;
+use foveal_media::pack::pack::Pack;
+use foveal_media::pack::scene_file::SceneFile;
+use foveal_scene::cracks::{CutReport, CutTrial, check_cuts};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -42,12 +43,27 @@ struct Verified {
     units: usize,
     damage: Vec<String>,
     damaged_places: u64,
+    #[serde(flatten)]
+    cuts: Option<Cuts>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Cuts {
+    source_odd_edges: u64,
+    odd_edges_max: u64,
+    cuts: u32,
+    orders: u32,
+    levels_in_cut_min: u32,
 }
 
 impl VerifyArgs {
+    fn tries(&self) -> bool {
+        self.cuts > 0 || self.orders > 0
+    }
+
     /// Refuses options that would do nothing.
     fn check(&self, is_scene: bool) -> Result<(), WrongUsage> {
-        let tries = self.cuts > 0 || self.orders > 0;
+        let tries = self.tries();
         if !is_scene && (tries || self.ignore_prerequisites) {
             let what = "--cuts, --orders, --ignore-prerequisites: are about scenes, and this is a \
                         pack of video; leave them out";
@@ -62,41 +78,84 @@ impl VerifyArgs {
 }
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
-    let is_scene = is_scene_pack(&args.pack);
-    args.check(is_scene)?;
-    if is_scene {
-        let trials = Trials {
-            cuts: args.cuts,
-            orders: args.orders,
-            ignore_prerequisites: args.ignore_prerequisites,
-        };
-        return verify_scene(&args.pack, &trials, args.json);
-    }
-    let file = PackFile::open(&args.pack)?;
+    let file = Pack::open(&args.pack)?;
+    args.check(file.scene().is_some())?;
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
     let damage = file.verify(|done, _| bar.set_position(done));
     bar.finish_and_clear();
-    let found = damage.places();
+    let is_whole = damage.is_empty();
+    let cut = file.scene().filter(|_| is_whole && args.tries());
+    let cuts = cut.map(|scene| cuts_of(scene, args)).transpose()?;
     let verified = Verified {
-        ok: damage.is_empty(),
+        ok: is_whole && cuts.is_none_or(|it| it.odd_edges_max <= it.source_odd_edges),
         bytes: file.bytes(),
-        units: file.pack().units().count(),
+        units: file.units(),
         damage: listed(&damage),
         damaged_places: damage.places(),
+        cuts,
     };
+    let told = cuts.map_or_else(String::new, |it| {
+        format!(
+            "; {} and {}: at most {}, the source has {}",
+            counted(it.cuts, "cut"),
+            counted(it.orders, "order"),
+            counted(it.odd_edges_max, "odd edge"),
+            it.source_odd_edges
+        )
+    });
     if verified.ok {
         let text = format!(
-            "{}: whole, {} bytes checked",
+            "{}: whole, {} bytes checked{told}",
             args.pack.display(),
-            verified.bytes
+            file.bytes()
         );
         return output::result(args.json, &verified, &text);
     }
-    let error = anyhow!(
-        "{}: {}; copy the pack again, or prepare it again\n  {}",
-        args.pack.display(),
-        counted(found, "damaged place"),
-        verified.damage.join("\n  ")
-    );
+    let error = match is_whole {
+        true if args.ignore_prerequisites => anyhow!(
+            "{}: not closed{told}; so cracks are found, as they should be without prerequisites: \
+             this says nothing against the pack",
+            args.pack.display()
+        ),
+        true => anyhow!(
+            "{}: not closed{told}; prepare it again",
+            args.pack.display()
+        ),
+        false => anyhow!(
+            "{}: {}; copy the pack again, or prepare it again\n  {}",
+            args.pack.display(),
+            counted(damage.places(), "damaged place"),
+            verified.damage.join("\n  ")
+        ),
+    };
     output::result_that_fails(args.json, &verified, "", error)
+}
+
+fn cuts_of(file: &SceneFile, args: &VerifyArgs) -> anyhow::Result<Cuts> {
+    let pack = file.pack();
+    let rows: Vec<_> = pack
+        .units()
+        .map(|it| (pack.level_of(it), pack.row(it).clone()))
+        .collect();
+    let mut payload_of = |unit: UnitId| file.read_mesh(unit).map_err(anyhow::Error::from);
+    let trial = CutTrial {
+        cuts: args.cuts,
+        orders: args.orders,
+        seed: 1,
+        ignore_prerequisites: args.ignore_prerequisites,
+    };
+    let CutReport {
+        source_odd_edges,
+        odd_edges_max,
+        cuts,
+        orders,
+        levels_in_cut_min,
+    } = check_cuts(&rows, &mut payload_of, &trial)?;
+    Ok(Cuts {
+        source_odd_edges,
+        odd_edges_max,
+        cuts,
+        orders,
+        levels_in_cut_min,
+    })
 }

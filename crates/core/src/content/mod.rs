@@ -7,6 +7,7 @@ pub mod demand;
 pub mod head;
 pub mod images;
 pub mod mesh;
+pub mod opened;
 pub mod payload;
 pub mod points;
 pub mod policies;

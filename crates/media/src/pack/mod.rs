@@ -6,6 +6,11 @@ pub mod damage;
 pub(crate) mod journal_file;
 pub mod name_claim;
 mod open_pack;
+#[allow(
+    clippy::module_inception,
+    reason = "the folder of packs holds one type of that name"
+)]
+pub mod pack;
 pub mod pack_file;
 pub(crate) mod pack_writer;
 pub mod scene_file;

@@ -38,7 +38,11 @@ impl PackFile {
     /// Opens a pack of video and reads its header, description and index.
     pub fn open(path: &Path) -> Result<Self, PackFileError> {
         let (open, description) = OpenPack::open(path)?;
-        let pack = VideoPack::begin(open.header(), &description);
+        Self::read(open, &description)
+    }
+
+    pub(super) fn read(open: OpenPack, description: &[u8]) -> Result<Self, PackFileError> {
+        let pack = VideoPack::begin(open.header(), description);
         let pack = pack.map_err(|source| open.format(source))?;
         open.read_index(pack.index())?;
         Ok(Self {

@@ -8,11 +8,12 @@ use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::object_table::{NAMES, NAMES_VERSION, read_names};
 use foveal_core::content::scene::pack::{
     ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
 };
-use foveal_core::content::scene::unit_table::{UnitKind, UnitRow};
+use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::content::scene::whole::SceneCheck;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{Header, check_crc};
@@ -63,8 +64,12 @@ impl SceneFile {
     /// It cannot be read, is damaged, or of another kind.
     pub fn open(path: &Path) -> Result<Self, PackFileError> {
         let (open, description) = OpenPack::open(path)?;
+        Self::read(open, &description)
+    }
+
+    pub(super) fn read(open: OpenPack, description: &[u8]) -> Result<Self, PackFileError> {
         let format = |source| open.format(source);
-        let mut about = ScenePack::describe(open.header(), &description).map_err(format)?;
+        let mut about = ScenePack::describe(open.header(), description).map_err(format)?;
         if let Some(table) = about.objects_table().map_err(format)? {
             let table = open.read_table(table)?;
             about = about.with_objects(&table).map_err(format)?;
@@ -73,8 +78,8 @@ impl SceneFile {
         open.read_index(&index)?;
         let table = open.read_table(about.units_table().map_err(format)?)?;
         let pack = ScenePack::of_index(about, index, &table).map_err(format)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let scene = Scene::new(&name, Arc::new(pack));
+        let name = open.path().file_name().unwrap_or_default();
+        let scene = Scene::new(&name.to_string_lossy(), Arc::new(pack));
         Ok(Self {
             scene: Arc::new(scene),
             open,

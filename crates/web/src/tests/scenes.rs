@@ -141,7 +141,7 @@ fn a_damaged_unit_is_counted_and_the_coarser_one_stays() {
     let mut file = scripted_scene_file().unwrap();
     let whole = open(&file, "viewport").unwrap();
     let last = scripted_scene().unwrap().pack().units().last().unwrap();
-    let ContentInParts::Scene(scene) = &whole.pack.content else {
+    let Opened::Scene(scene) = &whole.pack.content else {
         panic!("it is a scene");
     };
     let entry = scene.pack().entry(last);
@@ -206,7 +206,7 @@ fn the_log_of_a_flight_replays() {
     let text = player.log();
     let log = SessionLog::parse(text).unwrap();
     assert!(log.parts[0].frames.len() > 5);
-    let content = player.pack.content();
+    let content = player.pack.content.content();
     let again = log.replay(&|_, head, config| Arc::clone(&content).demand(head, config));
     assert_eq!(again.write(), text);
 }

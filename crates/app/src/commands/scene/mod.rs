@@ -5,4 +5,3 @@ pub(crate) mod moving;
 pub(crate) mod prepare;
 pub(crate) mod scene_info;
 pub(crate) mod simulate;
-pub(crate) mod verify;

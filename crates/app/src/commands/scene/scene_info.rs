@@ -3,11 +3,11 @@
 use crate::report::output;
 use crate::report::remarks::remarks_told;
 use foveal_core::content::scene::description::JoinedParts;
-use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::{counted, one_line};
 use foveal_media::pack::scene_file::SceneFile;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -47,26 +47,36 @@ pub(crate) struct SceneInfo {
 }
 
 /// Bytes of units, by what they are made of.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct BytesByKind {
-    pub(crate) mesh: u64,
-    pub(crate) texture: u64,
-    pub(crate) points: u64,
-}
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BytesByKind([u64; UnitKind::ALL.len()]);
 
 impl BytesByKind {
     /// The bytes of units of a pack.
     pub(crate) fn of(file: &SceneFile, units: impl Iterator<Item = UnitId>) -> Self {
         let mut bytes = Self::default();
         for unit in units {
-            let of_kind = match file.pack().row(unit).kind {
-                UnitKind::Mesh => &mut bytes.mesh,
-                UnitKind::Image => &mut bytes.texture,
-                UnitKind::Points => &mut bytes.points,
-            };
-            *of_kind += u64::from(file.pack().entry(unit).bytes);
+            bytes.0[file.pack().row(unit).kind as usize] +=
+                u64::from(file.pack().entry(unit).bytes);
         }
         bytes
+    }
+
+    fn each(&self) -> impl Iterator<Item = (UnitKind, u64)> {
+        UnitKind::ALL.into_iter().zip(self.0)
+    }
+
+    /// Those of what stands in space, or of what lies on it.
+    fn of_shapes(&self, are_shapes: bool) -> u64 {
+        let of = self
+            .each()
+            .filter(|(kind, _)| kind.facts().is_shape == are_shapes);
+        of.map(|(_, bytes)| bytes).sum()
+    }
+}
+
+impl Serialize for BytesByKind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.each().map(|(kind, bytes)| (kind.facts().name, bytes)))
     }
 }
 
@@ -95,7 +105,7 @@ impl SceneInfo {
         let points = about.objects.iter().filter_map(|it| it.points);
         let points = points.map(|it| it.count).sum();
         let leaves: u64 = leaf_triangles + points;
-        let bytes = bytes_by_kind.mesh + bytes_by_kind.points;
+        let bytes = bytes_by_kind.of_shapes(true);
         let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
         Self {
             kind: "scene",
@@ -156,7 +166,7 @@ impl SceneInfo {
             let _ = writeln!(text, "{joined} joined to {}", self.bundles);
         }
         if self.texels > 0 {
-            let size = output::size(self.bytes_by_kind.texture);
+            let size = output::size(self.bytes_by_kind.of_shapes(false));
             let _ = writeln!(
                 text,
                 "{} in textures, {size}",

@@ -97,9 +97,8 @@ struct Frame {
     judged: Option<JudgedFrame>,
 }
 
-pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
+pub(crate) fn run(args: &SimulateArgs, file: Arc<SceneFile>) -> anyhow::Result<()> {
     args.check_scene()?;
-    let file = Arc::new(SceneFile::open(&args.pack)?);
     let config = args.scene_config()?;
     let view = args.scene_view()?;
     let panels = args.panels_in_scene()?;

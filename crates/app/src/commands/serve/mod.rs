@@ -11,7 +11,7 @@ mod place;
 mod range;
 mod tags;
 
-use crate::commands::site::{About, Site};
+use crate::commands::site::{About, Site, open_packs};
 use crate::report::output::{self, WrongUsage};
 use answer::Server;
 use anyhow::{Context, bail};
@@ -128,7 +128,7 @@ fn place(what: &[PathBuf]) -> anyhow::Result<ServedPlace> {
                 whole.with_context(|| format!("{}: cannot be opened", pack.display()))
             });
             let packs = whole.collect::<anyhow::Result<Vec<PathBuf>>>()?;
-            let site = Box::new(Site::of(&packs, &About::default())?);
+            let site = Box::new(Site::of(&open_packs(&packs)?, &About::default())?);
             Ok(holding(Holds::Site(site, SystemTime::now())))
         }
     }

@@ -3,12 +3,13 @@
 use crate::commands::site::about::AboutOptions;
 use crate::commands::site::listing::{GENERATOR, Listed, Listing};
 use crate::commands::site::pack_names::names_of;
-use crate::commands::site::site_pack::SitePack;
-use crate::commands::site::{About, LISTING, Site, SiteFile};
+use crate::commands::site::site_pack::growth;
+use crate::commands::site::{About, LISTING, Site, SiteFile, open_packs};
 use crate::report::output::{self, Counting};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
+use foveal_media::pack::pack::Pack;
 use foveal_media::plain_file::{read_plain, rename_durably};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -60,11 +61,12 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
     let Export::Site(args) = command;
     refuse_foreign_folder(&args.out)?;
     let about = About::read(&args.about)?;
-    about.check(&names_of(&args.packs)?)?;
+    about.check(&names_of(args.packs.iter().map(PathBuf::as_path))?)?;
+    let packs = open_packs(&args.packs)?;
     if !args.dry_run {
-        tell_damage(&args.packs)?;
+        tell_damage(&packs)?;
     }
-    let site = Site::of(&args.packs, &about)?;
+    let site = Site::of(&packs, &about)?;
     let sizes = site.files.values().map(SiteFile::bytes);
     let mut exported = Exported {
         dry_run: args.dry_run,
@@ -74,28 +76,20 @@ pub(crate) fn run(command: &Export) -> anyhow::Result<()> {
         linked: 0,
         packs: &site.packs,
     };
-    tell_growth(&args.packs)?;
+    packs
+        .iter()
+        .filter_map(growth)
+        .for_each(|it| output::say(&it));
     if !args.dry_run {
         exported.linked = write(&site, &args.out, exported.bytes)?;
     }
     output::result(args.json, &exported, &exported.text())
 }
 
-/// Reports packs that are larger than the file that they were made from.
-fn tell_growth(packs: &[PathBuf]) -> anyhow::Result<()> {
-    for path in packs {
-        if let Some(said) = SitePack::open(path)?.growth() {
-            output::say(&said);
-        }
-    }
-    Ok(())
-}
-
 /// Reads the packs through: what is damaged is published, as the rest of it can be watched, and
 /// reported.
-fn tell_damage(packs: &[PathBuf]) -> anyhow::Result<()> {
-    for pack in packs {
-        let file = SitePack::open(pack)?;
+fn tell_damage(packs: &[Pack]) -> anyhow::Result<()> {
+    for file in packs {
         let bar = output::bar(Some(file.bytes()), Counting::Bytes);
         let damage = file.verify(|done, _| bar.set_position(done));
         bar.finish_and_clear();

@@ -4,9 +4,10 @@ use crate::commands::info::seconds_of;
 use crate::commands::site::about::AboutPack;
 use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
-use crate::commands::site::site_pack::{ListedKind, SitePack};
+use crate::commands::site::site_pack::ListedKind;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::view::surface::Projection;
+use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFile;
 use serde::Serialize;
 
@@ -71,10 +72,10 @@ struct Shows {
 }
 
 impl Shows {
-    fn of(file: &SitePack) -> anyhow::Result<Self> {
-        match file {
-            SitePack::Video(video) => Self::of_video(video, ListedKind::of(file)),
-            SitePack::Scene(file) => Ok(Self::of_scene(file.pack().description())),
+    fn of(pack: &Pack) -> anyhow::Result<Self> {
+        match pack {
+            Pack::Video(file) => Self::of_video(file, ListedKind::of(pack)),
+            Pack::Scene(file) => Ok(Self::of_scene(file.pack().description())),
         }
     }
 
@@ -122,7 +123,7 @@ pub(crate) struct ListedPoster {
 impl Listed {
     pub(super) fn new(
         name: &str,
-        file: &SitePack,
+        file: &Pack,
         poster: &Poster,
         said: AboutPack,
     ) -> anyhow::Result<Self> {

@@ -14,9 +14,11 @@ pub(crate) use about::About;
 
 use crate::web_files::web_files;
 use anyhow::{Context, bail};
+use foveal_media::pack::pack::Pack;
+use foveal_media::pack::pack_file::PackFileError;
 use listing::{Listed, Listing};
 use pack_names::names_of;
-use site_pack::{ListedKind, SitePack};
+use site_pack::{ListedKind, poster_of};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -47,6 +49,11 @@ impl SiteFile {
     }
 }
 
+/// Opens packs, in their order.
+pub(crate) fn open_packs(paths: &[PathBuf]) -> Result<Vec<Pack>, PackFileError> {
+    paths.iter().map(|path| Pack::open(path)).collect()
+}
+
 /// A site, by the names under which its files are fetched.
 pub(crate) struct Site {
     pub(crate) files: BTreeMap<String, SiteFile>,
@@ -55,16 +62,14 @@ pub(crate) struct Site {
 
 impl Site {
     /// The site of these packs, with what the user says of them; draws a poster of each.
-    pub(crate) fn of(packs: &[PathBuf], about: &About) -> anyhow::Result<Self> {
-        let names = names_of(packs)?;
+    pub(crate) fn of(packs: &[Pack], about: &About) -> anyhow::Result<Self> {
+        let names = names_of(packs.iter().map(Pack::path))?;
         about.check(&names)?;
-        let opened = packs.iter().map(|pack| SitePack::open(pack));
-        let opened = opened.collect::<Result<Vec<SitePack>, _>>()?;
         if web_files().is_empty() {
             bail!("this program was built without its pages; build it with `make build`");
         }
         let drawing = poster::drawing();
-        let kinds: Vec<ListedKind> = opened.iter().map(ListedKind::of).collect();
+        let kinds: Vec<ListedKind> = packs.iter().map(ListedKind::of).collect();
         let mut files = BTreeMap::new();
         for file in web_files() {
             let bytes = match file.name {
@@ -74,12 +79,11 @@ impl Site {
             files.insert(file.name.to_owned(), SiteFile::Bytes(bytes));
         }
         let mut listed = Vec::new();
-        for (name, file) in names.into_iter().zip(opened) {
+        for (name, file) in names.into_iter().zip(packs) {
             let path = file.path().to_owned();
-            let poster = file
-                .poster(&drawing)
+            let poster = poster_of(file, &drawing)
                 .with_context(|| format!("{}: no poster can be drawn", path.display()))?;
-            let one = Listed::new(&name, &file, &poster, about.of(&name))?;
+            let one = Listed::new(&name, file, &poster, about.of(&name))?;
             files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));
             files.insert(one.file.clone(), SiteFile::File(path));
             listed.push(one);

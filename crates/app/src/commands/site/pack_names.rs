@@ -2,7 +2,7 @@
 
 use crate::report::output::WrongUsage;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The ending of every pack.
 pub(super) const ENDING: &str = ".foveal";
@@ -14,7 +14,9 @@ pub(super) fn bare(name: &str) -> String {
 }
 
 /// The name of each pack in a site, without its ending; refuses two that are alike.
-pub(super) fn names_of(packs: &[PathBuf]) -> Result<Vec<String>, WrongUsage> {
+pub(super) fn names_of<'a>(
+    packs: impl Iterator<Item = &'a Path>,
+) -> Result<Vec<String>, WrongUsage> {
     let mut by_name: BTreeMap<String, &Path> = BTreeMap::new();
     let mut names = Vec::new();
     for pack in packs {
@@ -52,7 +54,7 @@ mod tests {
     use super::*;
 
     fn named(packs: &[&str]) -> Result<Vec<String>, WrongUsage> {
-        names_of(&packs.iter().map(PathBuf::from).collect::<Vec<_>>())
+        names_of(packs.iter().map(Path::new))
     }
 
     #[test]

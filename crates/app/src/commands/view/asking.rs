@@ -3,7 +3,6 @@
 use crate::commands::view::window_player::WindowPlayer;
 use foveal_core::content::asked::next_target;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::scene::demand::why_not;
 use foveal_core::units::Seconds;
 
 impl WindowPlayer {
@@ -13,7 +12,7 @@ impl WindowPlayer {
             policy,
             ..self.live.session().policy_in_use().clone()
         };
-        let is_of_kind = !self.in_scene() || why_not(policy).is_none();
+        let is_of_kind = self.live.opened().why_not(policy).is_none();
         let has_place = policy != Policy::Sampled || !self.has_panels();
         is_of_kind && has_place && self.live.session().can(&config)
     }

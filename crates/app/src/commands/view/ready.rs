@@ -5,21 +5,25 @@ mod kinds;
 pub(super) mod opening;
 
 use crate::commands::view::args::ViewArgs;
-use crate::commands::view::ready::checks::{before, check, open_pack, policy_of};
+use crate::commands::view::ready::checks::{before, check, policy_of};
 use crate::commands::view::script::Script;
 use crate::commands::view::sound::samples::Samples;
 use crate::gaze_source::ViewerModel;
 use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
+use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::Policy;
 use foveal_core::session::session::SessionSettings;
 use foveal_core::view::panel::rig::Panel;
-use foveal_play::{Decoding, LiveOptions, LivePack};
+use foveal_media::pack::pack::Pack;
+use foveal_play::{Decoding, LiveOptions};
 
 /// What was read before a window opens: whatever is wrong is said without one.
 pub(super) struct Ready {
     pub(super) args: ViewArgs,
-    pub(super) pack: LivePack,
+    pub(super) pack: Pack,
+    /// What is in it, on the screen that it fills.
+    pub(super) opened: Opened,
     /// The panels that show it, where there is a rig.
     pub(super) panels: Option<Vec<Panel>>,
     pub(super) watching: ViewerModel,
@@ -32,9 +36,10 @@ impl Ready {
     pub(super) fn new(args: &ViewArgs) -> anyhow::Result<Self> {
         let decoding = args.decoding.decoding()?;
         let rig = args.panels.read(args.eye)?;
-        let args = &before(args, rig.as_ref())?;
+        let pack = Pack::open(&args.pack)?;
+        let args = &before(args, &pack, rig.as_ref())?;
         let panels = rig.map(|rig| rig.panels);
-        let pack = open_pack(args)?;
+        let opened = pack.opened(args.view.screen)?;
         let args = &ViewArgs {
             policy: policy_of(args, &pack)?,
             ..args.clone()
@@ -52,7 +57,7 @@ impl Ready {
         }
         // Says what is wrong with the options before a window is there.
         let config = args.policy.config()?;
-        check(args, &pack)?;
+        check(args, &opened)?;
         if args.link.is_some() && !config.policy.spends_a_budget() {
             bail!(WrongUsage(format!(
                 "--link: {} ignores the link; give --policy uniform, eccentricity or perceptual",
@@ -65,7 +70,7 @@ impl Ready {
                     .to_owned()
             ));
         }
-        let in_scene = matches!(pack, LivePack::Scene(_));
+        let in_scene = opened.scene().is_some();
         let script = args.script.as_ref().map(|path| {
             let text = output::read_text(path, "a script")?;
             Script::parse(&text, in_scene).with_context(|| format!("--script {}", path.display()))
@@ -81,6 +86,7 @@ impl Ready {
             args: args.clone(),
             panels,
             pack,
+            opened,
             decoding,
         };
         ready.args.view.eye_view(&ready.surface())?;
@@ -98,10 +104,8 @@ impl Ready {
 }
 
 /// The sound of a pack; one that is damaged is reported and left out.
-fn sound_of(pack: &LivePack) -> Option<Samples> {
-    let LivePack::Video(file, _) = pack else {
-        return None;
-    };
+fn sound_of(pack: &Pack) -> Option<Samples> {
+    let file = pack.video()?;
     let damaged = |error: anyhow::Error| output::say(&format!("warning: {error:#}; no sound"));
     Samples::of_pack(file).map_err(damaged).ok().flatten()
 }

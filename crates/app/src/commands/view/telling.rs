@@ -60,7 +60,7 @@ impl WindowPlayer {
         let session = self.live.session();
         let (figures, config) = (&session.figures, session.policy_in_use());
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
-        let all = self.live.pack().content().finest_samples();
+        let all = self.live.opened().content().finest_samples();
         let told = [
             ("policy", config.policy.name().to_owned()),
             ("budget", self.budget_told()),

@@ -198,7 +198,7 @@ impl Open {
             measures: ready.in_scene(),
             bounds: ready.bounds(),
         };
-        let length = ready.pack.content().timeline().length();
+        let length = ready.opened.content().timeline().length();
         let looking = Looking::open(&args.gaze, &surface, args.seed, length, &ready.watching)?;
         let begin = Begin {
             policy: args.policy.clone(),
@@ -214,7 +214,12 @@ impl Open {
             panes,
         };
         let options = ready.live_options(settings);
-        let live = LivePlayer::new(ready.pack.clone(), options, drawer, waker(proxy))?;
+        let live = LivePlayer::new(
+            (ready.pack.clone(), ready.opened.clone()),
+            options,
+            drawer,
+            waker(proxy),
+        )?;
         let now = Seconds(begun.elapsed().as_secs_f64());
         let size = window.inner_size();
         Ok(Self {

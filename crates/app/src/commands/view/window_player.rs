@@ -25,7 +25,7 @@ use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Eye;
-use foveal_play::{LivePack, LivePlayer, Stepped};
+use foveal_play::{LivePlayer, Stepped};
 use foveal_render::{Overlay, RenderError, TileStyle};
 use std::time::Duration;
 
@@ -146,7 +146,7 @@ impl WindowPlayer {
 
     /// Whether one flies through what is shown.
     pub(crate) fn in_scene(&self) -> bool {
-        matches!(self.live.pack(), LivePack::Scene(_))
+        self.live.opened().scene().is_some()
     }
 
     /// Does what was asked for, or says what the window must do.

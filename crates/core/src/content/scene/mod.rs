@@ -3,6 +3,7 @@
 mod content;
 pub mod demand;
 pub mod description;
+pub mod kind;
 pub mod lighting;
 pub mod object_table;
 pub mod pack;

@@ -1,10 +1,11 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
 use super::description::{KIND, OBJECTS, SceneDescription, SceneObject};
+use super::kind::UnitKind;
 use super::object_table::{
     NAMES, NAMES_VERSION, OBJECTS_VERSION, read_objects, write_names, write_objects,
 };
-use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitKind, UnitRow, read_units, write_units};
+use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
 use crate::content::images::shape::TextureShape;
 use crate::content::mesh::payload::{ClusterRef, MeshUnit, NO_TEXTURE};
@@ -142,7 +143,7 @@ impl ScenePack {
             let object = self.description.objects.get(usize::from(row.object));
             stands += match (object, row.object, row.kind) {
                 (Some(object), ..) => object.placements.len() as u64,
-                (None, OF_ALL, UnitKind::Image) => 1,
+                (None, OF_ALL, kind) if !kind.facts().is_shape => 1,
                 _ => {
                     let expected = format!("fewer than {objects}");
                     return wrong("object", row.object.to_string(), expected);

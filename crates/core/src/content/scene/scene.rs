@@ -3,7 +3,7 @@
 use super::description::{SceneObject, most_growth};
 use super::pack::ScenePack;
 use super::sight::Sphere;
-use super::unit_table::{OF_ALL, UnitKind, UnitRow};
+use super::unit_table::{OF_ALL, UnitRow};
 use crate::pack::unit::UnitId;
 use crate::units::Radians;
 use glam::{DAffine3, DVec3};
@@ -147,7 +147,7 @@ impl Scene {
 /// Length of a side of the triangles that a unit is shown in place of: half as many as its own,
 /// over a disc of its sphere. For a page, and for points, the error says all.
 fn coarse_side(row: &UnitRow) -> f64 {
-    if row.kind != UnitKind::Mesh {
+    if !row.kind.facts().has_triangles {
         return 0.0;
     }
     let radius = f64::from(row.radius);

@@ -2,8 +2,8 @@
 //!
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
+use super::kind::UnitKind;
 use crate::content::bits::{push_varint, read_varint};
-use crate::content::images::shape::SLOT_BYTES;
 use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
@@ -20,60 +20,9 @@ pub const MOST_NEEDS: usize = 16;
 const SPHERE_BYTES: usize = 24;
 /// Bytes of a row before what differs in length.
 const FIXED_BYTES: usize = SPHERE_BYTES + Signature::BYTES;
-/// What a unit takes on the GPU in addition to its vertices and triangles, in bytes.
-const GPU_BYTES_OF_UNIT: u64 = 256;
-/// Bytes of a vertex on the GPU, and of its number in a cluster.
-const GPU_BYTES_OF_VERTEX: u64 = 20;
-/// Bytes of a triangle on the GPU, and of its corners in the list of what is drawn.
-const GPU_BYTES_OF_TRIANGLE: u64 = 16;
-
-/// What a unit is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UnitKind {
-    /// Clusters of triangles: [`MeshUnit`](crate::content::mesh::payload::MeshUnit).
-    #[default]
-    Mesh,
-    /// A page of a texture: [`ImagePage`](crate::content::images::payload::ImagePage).
-    Image,
-    /// Points of a cloud: [`PointUnit`](crate::content::points::payload::PointUnit).
-    Points,
-}
-
-impl UnitKind {
-    /// How many of the pixels that a signature was measured in an error is wide.
-    #[must_use]
-    pub fn pixels_of_error(self) -> f64 {
-        match self {
-            Self::Mesh | Self::Points => 1.0,
-            // Those of a page are its texels, its error the side of the coarser level's.
-            Self::Image => 2.0,
-        }
-    }
-
-    fn to_byte(self) -> u8 {
-        match self {
-            Self::Mesh => 0,
-            Self::Image => 1,
-            Self::Points => 2,
-        }
-    }
-
-    fn from_byte(byte: u8) -> Option<Self> {
-        [Self::Mesh, Self::Image, Self::Points]
-            .into_iter()
-            .find(|it| it.to_byte() == byte)
-    }
-}
-
 /// The object of what belongs to no object alone, and whose sphere and error are in the world: a
 /// page of a texture that several objects have.
 pub const OF_ALL: u16 = u16::MAX;
-
-/// Bytes of a point on the GPU.
-const GPU_BYTES_OF_POINT: u64 = 12;
-/// What a unit of points takes on the GPU besides them at most: what is left of the last block, and
-/// where it stands.
-const GPU_BYTES_OF_POINT_UNIT: u64 = 2048;
 
 /// What is known of one unit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -113,20 +62,14 @@ impl UnitRow {
     /// Bytes that it takes on the GPU, at most.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        if self.kind == UnitKind::Points {
-            return u64::from(self.samples) * GPU_BYTES_OF_POINT + GPU_BYTES_OF_POINT_UNIT;
-        }
-        if self.kind == UnitKind::Image {
-            // A root is followed by the levels that are made from it.
-            return SLOT_BYTES * if self.needs.is_empty() { 2 } else { 1 };
-        }
-        u64::from(self.vertices) * GPU_BYTES_OF_VERTEX
-            + u64::from(self.samples) * GPU_BYTES_OF_TRIANGLE
-            + GPU_BYTES_OF_UNIT
+        let cost = self.kind.facts().gpu;
+        let root = if self.needs.is_empty() { cost.root } else { 0 };
+        let [vertices, samples] = [self.vertices, self.samples].map(u64::from);
+        cost.unit + root + vertices * cost.vertex + samples * cost.sample
     }
 
     fn write(&self, unit: u32) -> Vec<u8> {
-        let mut bytes = vec![self.kind.to_byte(), self.needs.len() as u8];
+        let mut bytes = vec![self.kind.facts().byte, self.needs.len() as u8];
         bytes.extend(self.object.to_le_bytes());
         let [x, y, z] = self.centre;
         let numbers = [x, y, z, self.radius, self.error];
@@ -268,7 +211,7 @@ mod tests {
 
     fn rows() -> Vec<UnitRow> {
         let row = |unit: u32| UnitRow {
-            kind: [UnitKind::Mesh, UnitKind::Image, UnitKind::Points][unit as usize % 3],
+            kind: UnitKind::ALL[unit as usize % 3],
             object: (unit % 3) as u16,
             centre: [unit as f32, -1.5, 2.0],
             radius: 10.0 / (unit + 1) as f32,

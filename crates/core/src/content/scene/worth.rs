@@ -9,7 +9,7 @@
 use super::Scene;
 use super::scene::Stand;
 use super::sight::{SeenExtent, Sight};
-use super::unit_table::{UnitKind, UnitRow};
+use super::unit_table::UnitRow;
 use crate::content::policy::ImportanceSource;
 use crate::pack::unit::UnitId;
 use crate::perception::footprints::{Footprint, Footprints};
@@ -84,7 +84,7 @@ impl SceneWorth {
         for (unit, row) in (0..).map(UnitId).zip(rows) {
             let at = unit.0 as usize;
             // What is measured is which meshes are drawn: a page counts by its sphere.
-            let measured = extents.as_ref().filter(|_| row.kind != UnitKind::Image);
+            let measured = extents.as_ref().filter(|_| row.kind.facts().is_shape);
             let measured = measured.map(|it| it[at]);
             let is_hidden = measured.is_some_and(|it| it.area_deg2 <= 0.0);
             if row.needs.is_empty() || is_hidden {
@@ -153,7 +153,7 @@ impl SceneWorth {
         if extent.area_deg2 <= 0.0 {
             return 0.0;
         }
-        let pixel = stand.error / row.kind.pixels_of_error();
+        let pixel = stand.error / row.kind.facts().pixels_of_error;
         let ppd = sight.ppd_of(pixel, &stand.sphere);
         let display = sight.display_limit(&stand.sphere);
         let state = sight.glance.state;
@@ -161,9 +161,9 @@ impl SceneWorth {
         let apart = (extent.mean.0 - extent.least.0) / 2.0;
         let gain = |eccentricity| {
             let place = LookedPlace::at(&self.parameters, Radians(eccentricity), display);
-            let of_steps = match row.kind {
-                UnitKind::Image => &self.of_filtered,
-                _ => &self.of_sampled,
+            let of_steps = match row.kind.facts().is_filtered {
+                true => &self.of_filtered,
+                false => &self.of_sampled,
             };
             let worth = match self.counts {
                 Counted::SeenSamples => of_steps.seen_samples(&row.signature, ppd, &place, state),

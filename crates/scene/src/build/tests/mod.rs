@@ -12,7 +12,7 @@ use super::{BuildOptions, Built, build};
 use crate::source::SourceScene;
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
-use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use meshes::{all_meshes, fan, sphere, torus, triangle, two_materials};
 

@@ -7,7 +7,7 @@ use crate::commands::bench::processor_time::cpu_seconds;
 use crate::report::output;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::description::GRID_BITS;
-use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_scene::baseline::{WholeMesh, clod_build};
 use foveal_scene::build::{BuildOptions, build as build_units};
 use std::hint::black_box;

@@ -4,7 +4,7 @@ use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use foveal_core::content::demand::Content;
-use foveal_core::content::scene::unit_table::UnitKind;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_scene::baseline::WholeMesh;
 use foveal_scene::cracks::{CutTrial, check_cuts};

@@ -2,7 +2,8 @@
 
 use crate::run::mesh_file::ply;
 use anyhow::{Context, bail};
-use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
+use foveal_media::pack::pack::Pack;
+use foveal_media::pack::scene_file::SceneFile;
 use foveal_scene::baseline::{FinestMesh, finest_meshes};
 use foveal_scene::generate::torus;
 use foveal_scene::read::{ReadOptions, read};
@@ -33,7 +34,9 @@ impl Subject {
     pub(super) fn prepare(input: Option<&Path>, pack: &Path) -> anyhow::Result<Self> {
         let drawn = pack.with_file_name("torus.ply");
         let input = match input {
-            Some(input) if is_scene_pack(input) => return Self::of(input, None, None, input),
+            Some(input) if matches!(Pack::open(input), Ok(Pack::Scene(_))) => {
+                return Self::of(input, None, None, input);
+            }
             Some(input) => input,
             None => {
                 std::fs::write(&drawn, ply(&torus(TORUS[0], TORUS[1])))?;

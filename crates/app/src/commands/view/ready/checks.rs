@@ -9,28 +9,19 @@ use crate::options::policy::{PolicyOptions, check_thresholds};
 use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::Policy;
-use foveal_core::content::scene::demand::why_not;
 use foveal_core::units::counted;
-use foveal_media::pack::pack_file::PackFile;
-use foveal_media::pack::scene_file::{SceneFile, is_scene_pack};
-use foveal_play::LivePack;
-use std::sync::Arc;
-
-/// Opens a pack of either kind.
-pub(super) fn open_pack(args: &ViewArgs) -> anyhow::Result<LivePack> {
-    if is_scene_pack(&args.pack) {
-        return Ok(LivePack::Scene(Arc::new(SceneFile::open(&args.pack)?)));
-    }
-    let file = Arc::new(PackFile::open(&args.pack)?);
-    let video = file.video(args.view.screen)?;
-    Ok(LivePack::Video(file, video))
-}
+use foveal_media::pack::pack::Pack;
 
 /// These options with those that panels and a published system stand for.
-pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<ViewArgs> {
+pub(super) fn before(
+    args: &ViewArgs,
+    pack: &Pack,
+    rig: Option<&ShownRig>,
+) -> anyhow::Result<ViewArgs> {
     let mut with = args.clone();
-    if is_scene_pack(&args.pack) {
+    if pack.scene().is_some() {
         args.presets.refuse_for_scene()?;
     }
     with.gaze = match &args.gaze {
@@ -44,15 +35,11 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
     if rig.is_none() && args.presets.system().is_none() {
         return Ok(with);
     }
-    let shape = match is_scene_pack(&args.pack) {
-        true => None,
-        false => {
-            let file = PackFile::open(&args.pack)?;
-            let about = file.pack().description();
-            with.policy = args.presets.policy(&args.policy, about.projection);
-            about.flat_shape()
-        }
-    };
+    let shape = pack.video().and_then(|file| {
+        let about = file.pack().description();
+        with.policy = args.presets.policy(&args.policy, about.projection);
+        about.flat_shape()
+    });
     let Some(rig) = rig else {
         return Ok(with);
     };
@@ -66,9 +53,9 @@ pub(super) fn before(args: &ViewArgs, rig: Option<&ShownRig>) -> anyhow::Result<
 }
 
 /// The policy that was asked for, or the usual one of this kind.
-pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<PolicyOptions> {
+pub(super) fn policy_of(args: &ViewArgs, pack: &Pack) -> anyhow::Result<PolicyOptions> {
     let usual = match (args.demo, pack) {
-        (true, LivePack::Video(file, _)) => match args.link {
+        (true, Pack::Video(file)) => match args.link {
             None => {
                 let (policy, _) = args.policy.for_pack(file, &args.view)?;
                 return Ok(policy.under(policy.policy()));
@@ -77,33 +64,33 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<Poli
         },
         (false, _) => Policy::Viewport,
         // The score of a scene is unknown, so a policy that buys by worth would buy all of it.
-        (true, LivePack::Scene(_)) if args.link.is_none() => Policy::Acuity,
-        (true, LivePack::Scene(_)) => Policy::Eccentricity,
+        (true, Pack::Scene(_)) if args.link.is_none() => Policy::Acuity,
+        (true, Pack::Scene(_)) => Policy::Eccentricity,
     };
     Ok(args.policy.under(args.policy.named().unwrap_or(usual)))
 }
 
 /// Says what is wrong with the options for this kind, before a window is there.
-pub(super) fn check(args: &ViewArgs, pack: &LivePack) -> anyhow::Result<()> {
+pub(super) fn check(args: &ViewArgs, opened: &Opened) -> anyhow::Result<()> {
     let config = args.policy.config()?;
-    match pack {
-        LivePack::Video(file, _) => {
-            let about = file.pack().description();
+    match opened {
+        Opened::Video(video) => {
+            let about = video.pack().description();
             if args.hold.is_some() && !about.is_still() {
                 let frames = counted(about.frames, "frame");
                 bail!(moves(&format!("a video of {frames}")));
             }
-            check_thresholds(&config, &file.pack().description().grid(args.view.screen))
+            check_thresholds(&config, video.grid())
         }
-        LivePack::Scene(_) => check_scene(args, config.policy),
+        Opened::Scene(_) => check_scene(args, opened, config.policy),
     }
 }
 
-fn check_scene(args: &ViewArgs, policy: Policy) -> anyhow::Result<()> {
-    if let Some(why) = why_not(policy) {
+fn check_scene(args: &ViewArgs, opened: &Opened, policy: Policy) -> anyhow::Result<()> {
+    if let Some(why) = opened.why_not(policy) {
         let able = Policy::IN_TURN
             .into_iter()
-            .filter(|it| why_not(*it).is_none());
+            .filter(|it| opened.why_not(*it).is_none());
         let able: Vec<&str> = able.map(Policy::name).collect();
         bail!(WrongUsage(format!(
             "--policy {} does not choose for scenes: {why}; give one of {}",

@@ -4,13 +4,12 @@ use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::usable;
 use crate::commands::view::window::panes::RigPanes;
 use crate::options::panels::around_the_head;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::bounds::Bounds;
-use foveal_core::units::Radians;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::navigation::Navigation;
 use foveal_core::view::surface::Surface;
-use foveal_play::LivePack;
 use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 
 /// Pixels of a face of the sphere round the viewer that stands for a scene where nothing but
@@ -20,19 +19,14 @@ const AROUND: u32 = 1024;
 impl Ready {
     /// Whether one flies through what is shown.
     pub(in crate::commands::view) fn in_scene(&self) -> bool {
-        matches!(self.pack, LivePack::Scene(_))
+        self.opened.scene().is_some()
     }
 
     /// The surface that a picture lies on; round a scene one that nothing lies on.
     pub(in crate::commands::view) fn surface(&self) -> Surface {
-        match &self.pack {
-            LivePack::Video(file, _) => {
-                file.pack()
-                    .description()
-                    .grid(self.args.view.screen)
-                    .surface
-            }
-            LivePack::Scene(_) => Surface::cube(AROUND),
+        match self.opened.video() {
+            Some(video) => video.grid().surface,
+            None => Surface::cube(AROUND),
         }
     }
 
@@ -49,35 +43,24 @@ impl Ready {
 
     /// Where a viewer begins.
     pub(in crate::commands::view) fn navigation(&self) -> anyhow::Result<Navigation> {
-        let fov = self.args.view.fov()?;
-        Ok(match &self.pack {
-            LivePack::Video(file, _) => {
-                let front = file.pack().description().front_deg;
-                Navigation::new(self.surface(), fov).facing(Radians::from_degrees(front))
-            }
-            LivePack::Scene(file) => {
-                let scene = file.scene();
-                let bounds = scene.bounds();
-                Navigation::through((bounds.centre, bounds.radius), scene.rise(), fov)
-            }
-        })
+        Ok(self.opened.navigation(self.args.view.fov()?))
     }
 
     /// What chooses first.
     pub(in crate::commands::view) fn config(&self) -> anyhow::Result<PolicyConfig> {
         let config = self.args.policy.config()?;
-        match &self.pack {
-            LivePack::Video(file, video) => usable(file, video, config, self.args.link),
-            LivePack::Scene(_) => Ok(config),
+        match self.opened.video() {
+            Some(video) => usable(self.pack.path(), video, config, self.args.link),
+            None => Ok(config),
         }
     }
 
     /// What a session keeps below.
     pub(in crate::commands::view) fn bounds(&self) -> Bounds {
         let usual = Bounds::default();
-        match &self.pack {
-            LivePack::Video(..) => usual,
-            LivePack::Scene(_) => Bounds {
+        match &self.opened {
+            Opened::Video(_) => usual,
+            Opened::Scene(_) => Bounds {
                 gpu: self.args.gpu_memory,
                 ..usual
             },
@@ -98,9 +81,9 @@ impl Ready {
         device: &DrawDevice,
         style: TileStyle,
     ) -> Result<Drawer, RenderError> {
-        match &self.pack {
-            LivePack::Video(_, video) => Drawer::new(device, video, style),
-            LivePack::Scene(file) => Drawer::of_scene(device, file.scene(), self.args.gpu_memory),
+        match &self.opened {
+            Opened::Video(video) => Drawer::new(device, video, style),
+            Opened::Scene(scene) => Drawer::of_scene(device, scene, self.args.gpu_memory),
         }
     }
 }

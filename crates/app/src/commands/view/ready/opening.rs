@@ -11,7 +11,7 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::video::Video;
 use foveal_core::units::Seconds;
-use foveal_media::pack::pack_file::PackFile;
+use std::path::Path;
 use std::sync::Arc;
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
@@ -50,7 +50,7 @@ pub(in crate::commands::view) fn open_window(
 /// The policy, or what stands in for it where a pack has no signatures; for what is
 /// to spend a link nothing can.
 pub(in crate::commands::view) fn usable(
-    file: &PackFile,
+    pack: &Path,
     video: &Video,
     config: PolicyConfig,
     link: Option<Link>,
@@ -65,7 +65,7 @@ pub(in crate::commands::view) fn usable(
     }
     bail!(
         "{}: has no signatures or cues, by which this policy chooses; prepare it again",
-        file.path().display(),
+        pack.display(),
     )
 }
 
