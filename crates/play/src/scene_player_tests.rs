@@ -1,12 +1,13 @@
 //! Does what comes glide into its place before an open eye, and jump there before a closed one?
 
 use crate::scene_player::{ScenePlayer, ScenePlayerOptions};
-use foveal_core::content::mesh::payload::{Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex};
+use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::description::{
     Grid, KIND, ObjectBounds, SceneDescription, SceneObject,
 };
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
@@ -36,10 +37,7 @@ fn roof() -> Vec<u8> {
         clusters: vec![cluster(4, &[[0, 1, 2], [0, 2, 3]])],
         ..MeshUnit::default()
     };
-    let replaces = vec![ClusterRef {
-        need: 0,
-        cluster: 0,
-    }];
+    let replaces = vec![PartRef { need: 0, part: 0 }];
     let roof = MeshUnit {
         replaces: replaces.clone(),
         staying: 4,

@@ -227,7 +227,7 @@ impl Drawer {
                     unit,
                     object: row.object,
                     level: scene.pack().level_of(unit),
-                    refines: refines.map(|(need, octant)| (*need, octant.cluster)),
+                    refines: refines.map(|(need, octant)| (*need, octant.part)),
                     says: &says,
                 })
             }

@@ -2,7 +2,8 @@
 
 use crate::common::share_beyond;
 use crate::common::torus::{ALL, coming, coming_root, from_above, object, refinement, root};
-use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
+use foveal_core::content::mesh::payload::{Cluster, MeshUnit, MeshVertex};
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_render::twin::TwinScene;
 use foveal_render::{ComingUnit, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
@@ -65,10 +66,7 @@ fn halved(unit: &MeshUnit) -> MeshUnit {
         }
     };
     let mut says = MeshUnit {
-        replaces: vec![ClusterRef {
-            need: 0,
-            cluster: 0,
-        }],
+        replaces: vec![PartRef { need: 0, part: 0 }],
         staying,
         ..MeshUnit::default()
     };

@@ -3,11 +3,11 @@
 //! Packs are altered and sealed again, so that no checksum shows it.
 
 use crate::support::{Folder, foveal, json_of};
-use foveal_core::content::mesh::payload::ClusterRef;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource};
 use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
@@ -283,7 +283,7 @@ fn alter(parts: &mut Parts, dice: &mut Dice) -> String {
         8 => {
             let at = dice.below(row.replaces.len());
             if let Some(replaced) = row.replaces.get_mut(at) {
-                *replaced = ClusterRef::from_byte(dice.below(256) as u8);
+                *replaced = PartRef::from_byte(dice.below(256) as u8);
             }
         }
         9 => row.object = dice.below(4) as u16,

@@ -2,11 +2,12 @@
 
 #![allow(clippy::unwrap_used, dead_code)]
 
-use foveal_core::content::mesh::payload::{Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex};
+use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::description::{
     Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
 };
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::HEADER_BYTES;
 use foveal_core::pack::unit::UnitId;
@@ -35,10 +36,7 @@ pub(crate) fn units() -> [(UnitRow, MeshUnit); 2] {
         ..MeshUnit::default()
     };
     let finer = MeshUnit {
-        replaces: vec![ClusterRef {
-            need: 0,
-            cluster: 0,
-        }],
+        replaces: vec![PartRef { need: 0, part: 0 }],
         staying: 4,
         vertices: vec![vertex([500, 500, 20])],
         clusters: vec![fan],

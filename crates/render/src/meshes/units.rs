@@ -111,7 +111,7 @@ impl SceneUnits {
         self.check(coming)?;
         let placed = self.cut.insert(unit, needs, coming.says)?;
         let named = coming.says.replaces.iter();
-        let replaces = named.map(|it| (needs[usize::from(it.need)], it.cluster));
+        let replaces = named.map(|it| (needs[usize::from(it.need)], it.part));
         let note = UnitNote {
             object: coming.object,
             level: coming.level,

@@ -1,8 +1,9 @@
 //! Which mesh do the tests draw? A torus of 16 by 16 bent squares, whose parts can be refined.
 
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
-use foveal_core::content::mesh::payload::{Attributes, Cluster, ClusterRef, MeshUnit, MeshVertex};
+use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::description::{Grid, SceneObject};
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
@@ -113,10 +114,7 @@ pub fn refinement(replaced: &[u8]) -> MeshUnit {
     }
     let mut unit = MeshUnit {
         replaces: (replaced.iter())
-            .map(|it| ClusterRef {
-                need: 0,
-                cluster: *it,
-            })
+            .map(|it| PartRef { need: 0, part: *it })
             .collect(),
         staying: staying.len() as u16,
         ..MeshUnit::default()

@@ -12,9 +12,9 @@ use foveal_core::content::images::halving::Halving;
 use foveal_core::content::images::payload::{PageCodec, page_bytes};
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{PagePlace, TextureShape};
-use foveal_core::content::mesh::payload::ClusterRef;
 use foveal_core::content::scene::description::{SceneTexture, most_growth};
 use foveal_core::content::scene::kind::UnitKind;
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::{OF_ALL, UnitRow};
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
@@ -55,10 +55,10 @@ pub(super) struct BuiltPage {
 
 impl BuiltPage {
     /// Which quarter of the page that it lies in it is.
-    fn quarter(&self) -> ClusterRef {
-        ClusterRef {
+    fn quarter(&self) -> PartRef {
+        PartRef {
             need: 0,
-            cluster: self.place.quarter(),
+            part: self.place.quarter(),
         }
     }
 

@@ -6,8 +6,9 @@ use super::mesh::GridMesh;
 use super::numbering::Numbering;
 use super::pages::BuiltPage;
 use crate::signatures::StepMeasure;
-use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
+use foveal_core::content::mesh::payload::{Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::kind::UnitKind;
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
@@ -136,9 +137,9 @@ impl Place<'_> {
             let group = self.graph.group_of[*cluster as usize] as usize;
             let of_need = self.graph.groups[group].fine.iter();
             let before = |need: &&UnitId| **need != self.unit_of[group];
-            ClusterRef {
+            PartRef {
                 need: needs.iter().take_while(before).count() as u8,
-                cluster: of_need.take_while(|it| *it != cluster).count() as u8,
+                part: of_need.take_while(|it| *it != cluster).count() as u8,
             }
         };
         let replaces = group.coarse.iter().map(replaced).collect();
@@ -176,7 +177,7 @@ impl Place<'_> {
         corners.collect::<Vec<_>>().as_chunks().0.to_vec()
     }
 
-    fn says(&self, group: &Group, replaces: Vec<ClusterRef>) -> MeshUnit {
+    fn says(&self, group: &Group, replaces: Vec<PartRef>) -> MeshUnit {
         let cluster = |it: &u32| &self.graph.clusters[*it as usize];
         let all = group.coarse.iter().chain(&group.fine);
         let count = all.map(|it| cluster(it).vertices.len()).sum();

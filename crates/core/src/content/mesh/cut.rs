@@ -103,16 +103,16 @@ impl MeshCut {
         for replaced in &says.replaces {
             let need = needs.get(usize::from(replaced.need)).copied();
             let there = need.and_then(|need| self.units.get(&need));
-            let cluster = there.and_then(|it| it.clusters.get(usize::from(replaced.cluster)));
+            let cluster = there.and_then(|it| it.clusters.get(usize::from(replaced.part)));
             let (Some(need), Some(there), Some(cluster)) = (need, there, cluster) else {
-                let found = format!("cluster {} of {need:?}", replaced.cluster);
+                let found = format!("cluster {} of {need:?}", replaced.part);
                 return Err(wrong("replaces", found, "a cluster that is there"));
             };
             if cluster.refined_by.is_some_and(|by| by != unit) {
-                let found = format!("cluster {} of {need:?}", replaced.cluster);
+                let found = format!("cluster {} of {need:?}", replaced.part);
                 return Err(wrong("replaces", found, "one that no other unit replaces"));
             }
-            replaces.push((need, replaced.cluster));
+            replaces.push((need, replaced.part));
             for number in &cluster.vertices {
                 let vertex = there.vertices[usize::from(*number)];
                 if numbers.insert(vertex, ()).is_none() {

@@ -24,8 +24,8 @@ mod tests;
 mod vertices;
 
 use crate::content::bits::{BitReader, BitWriter};
+use crate::content::scene::part_ref::{MOST_PARTS, PartRef};
 use crate::pack::PackError;
-use crate::pack::unit::UnitId;
 use cluster::wrong;
 pub use cluster::{Cluster, MOST_OF_CLUSTER, MeshVertex, NO_TEXTURE};
 use meshoptimizer_rs::codec::{
@@ -39,45 +39,13 @@ const VERSION: u8 = 2;
 /// Bytes before the list of replaced clusters.
 const HEAD_BYTES: usize = 6;
 /// Most clusters of a unit.
-pub const MOST_CLUSTERS: usize = 16;
-
-/// A cluster that came with another unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct ClusterRef {
-    /// Which of the unit's prerequisites it came with.
-    pub need: u8,
-    /// Its number there.
-    pub cluster: u8,
-}
-
-impl ClusterRef {
-    /// As the table of units stores it: the prerequisite times 16, plus the number there.
-    #[must_use]
-    pub fn to_byte(self) -> u8 {
-        self.need << 4 | (self.cluster & 15)
-    }
-
-    /// The cluster that such a byte encodes. Every byte is one.
-    #[must_use]
-    pub fn from_byte(byte: u8) -> Self {
-        Self {
-            need: byte >> 4,
-            cluster: byte & 15,
-        }
-    }
-
-    /// Whether it came with one of these units.
-    #[must_use]
-    pub fn is_of(&self, needs: &[UnitId]) -> bool {
-        usize::from(self.need) < needs.len()
-    }
-}
+pub const MOST_CLUSTERS: usize = MOST_PARTS;
 
 /// What one unit says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshUnit {
     /// The coarse clusters in whose place these are shown; of a root none.
-    pub replaces: Vec<ClusterRef>,
+    pub replaces: Vec<PartRef>,
     /// Number of vertices that stay: those of the replaced clusters, each once, in the order in
     /// which they are first named.
     pub staying: u16,
@@ -202,7 +170,7 @@ impl MeshUnit {
     pub fn parse(
         bytes: &[u8],
         attributes: Attributes,
-        replaces: &[ClusterRef],
+        replaces: &[PartRef],
     ) -> Result<Self, PackError> {
         let mut reader = Reader { bytes };
         let head = reader.take(HEAD_BYTES, "head")?;

@@ -39,7 +39,7 @@ impl CloudCheck {
         self.cubes.insert(unit, Cube::of(says));
         let (expected, points) = match there {
             Some((cube, octant)) => {
-                let octant = octant.cluster;
+                let octant = octant.part;
                 let points = cube.points.get(usize::from(octant)).copied();
                 (
                     octant_of(cube.corner, cube.bits, octant),

@@ -7,6 +7,7 @@ pub mod kind;
 pub mod lighting;
 pub mod object_table;
 pub mod pack;
+pub mod part_ref;
 mod rough_look;
 #[allow(
     clippy::module_inception,

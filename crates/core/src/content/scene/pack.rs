@@ -8,10 +8,11 @@ use super::object_table::{
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
 use crate::content::images::payload::ImagePage;
 use crate::content::images::shape::TextureShape;
-use crate::content::mesh::payload::{ClusterRef, MeshUnit, NO_TEXTURE};
+use crate::content::mesh::payload::{MeshUnit, NO_TEXTURE};
 use crate::content::payload::Payload;
 use crate::content::points::cut::OCTANTS;
 use crate::content::points::payload::PointUnit;
+use crate::content::scene::part_ref::PartRef;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
 use crate::pack::{
@@ -211,7 +212,7 @@ impl ScenePack {
             let found = format!("{:?}", row.kind);
             return Err(PackError::new("kind", found, "the kind of its object"));
         }
-        let is_octant = |it: &&ClusterRef| usize::from(it.cluster) < OCTANTS && it.need == 0;
+        let is_octant = |it: &&PartRef| usize::from(it.part) < OCTANTS && it.need == 0;
         let octants = row.replaces.iter().filter(is_octant).count();
         let one = usize::from(!row.needs.is_empty());
         if is_points && [row.needs.len(), row.replaces.len(), octants] != [one; 3] {
@@ -270,8 +271,7 @@ impl ScenePack {
     pub fn refiners(&self) -> HashMap<(UnitId, u8), UnitId> {
         let units = (0..).map(UnitId).zip(&self.rows);
         let refiners = units.flat_map(|(unit, row)| {
-            let cluster =
-                |it: &ClusterRef| Some((*row.needs.get(usize::from(it.need))?, it.cluster));
+            let cluster = |it: &PartRef| Some((*row.needs.get(usize::from(it.need))?, it.part));
             let clusters = row.replaces.iter().filter_map(cluster);
             clusters.map(move |cluster| (cluster, unit))
         });

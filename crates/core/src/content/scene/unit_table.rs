@@ -3,8 +3,8 @@
 //! The side table `units`, in pages; `docs/formats/pack.md` is normative.
 
 use super::kind::UnitKind;
+use super::part_ref::{MOST_PARTS, PartRef};
 use crate::content::bits::{push_varint, read_varint};
-use crate::content::mesh::payload::{ClusterRef, MOST_CLUSTERS};
 use crate::pack::paged_table::{PageDirectory, write_pages};
 use crate::pack::unit::UnitId;
 use crate::pack::{PackError, UnitNumbers, u32_at};
@@ -52,10 +52,9 @@ pub struct UnitRow {
     /// The units that must be there first, at most 16, all with lower numbers; none that another of
     /// them needs in turn.
     pub needs: Vec<UnitId>,
-    /// Of a mesh the coarse clusters in whose place it is shown, at most 16; of a page the quarter
-    /// of the page that it lies in, and of points the octant of the unit that it needs, as a
-    /// cluster of it.
-    pub replaces: Vec<ClusterRef>,
+    /// What it is shown in place of, at most 16: coarse clusters of meshes, the quarter of the page
+    /// that a page lies in, the octant of the unit that points need.
+    pub replaces: Vec<PartRef>,
 }
 
 impl UnitRow {
@@ -158,13 +157,13 @@ impl UnitRow {
     }
 }
 
-/// The clusters that a row describes, and what is behind them.
-fn read_replaces(bytes: &[u8]) -> Option<(Vec<ClusterRef>, &[u8])> {
+/// The parts that a row is shown in place of, and what is behind them.
+fn read_replaces(bytes: &[u8]) -> Option<(Vec<PartRef>, &[u8])> {
     let (count, rest) = bytes.split_first()?;
     let count = usize::from(*count);
-    let (clusters, rest) = rest.split_at_checked(count)?;
-    let clusters = clusters.iter().copied().map(ClusterRef::from_byte);
-    (count <= MOST_CLUSTERS).then(|| (clusters.collect(), rest))
+    let (parts, rest) = rest.split_at_checked(count)?;
+    let parts = parts.iter().copied().map(PartRef::from_byte);
+    (count <= MOST_PARTS).then(|| (parts.collect(), rest))
 }
 
 /// The table of these units, in their order, with so many rows in a page; each level begins one.
@@ -220,7 +219,7 @@ mod tests {
             vertices: unit * 31,
             signature: Signature::from_bytes([unit as u8; Signature::BYTES]),
             needs: (0..unit.min(3)).map(UnitId).collect(),
-            replaces: (0..unit.min(3) as u8).map(ClusterRef::from_byte).collect(),
+            replaces: (0..unit.min(3) as u8).map(PartRef::from_byte).collect(),
         };
         (0..40).map(row).collect()
     }

@@ -88,7 +88,7 @@ impl<'a> SceneCheck<'a> {
             }
             Payload::Image(page) => {
                 let inner = page.picture.size.map(|side| (side - 2 * BORDER) as usize);
-                let quarter = row.replaces.first().map(|it| it.cluster);
+                let quarter = row.replaces.first().map(|it| it.part);
                 let is_its = quarter.is_none_or(|it| it == page.page.quarter());
                 [inner[0] * inner[1], usize::from(!is_its)]
             }
@@ -115,11 +115,11 @@ impl<'a> SceneCheck<'a> {
         for replaced in &says.replaces {
             let need = needs.get(usize::from(replaced.need)).copied();
             // Of two that replace a cluster, the second finds nothing there.
-            let there = need.and_then(|need| self.clusters.remove(&(need, replaced.cluster)));
+            let there = need.and_then(|need| self.clusters.remove(&(need, replaced.part)));
             let Some(there) = there else {
                 return Err(PackError::new(
                     &format!("unit {}, replaces", unit.0),
-                    format!("cluster {} of {need:?}", replaced.cluster),
+                    format!("cluster {} of {need:?}", replaced.part),
                     "a cluster that is there, and that no other unit replaces",
                 ));
             };

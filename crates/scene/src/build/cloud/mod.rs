@@ -15,10 +15,11 @@ use super::built::{BuildError, BuiltUnit};
 use super::joined::Graphed;
 use crate::source::SourceCloud;
 use colours::{Codes, white_of};
-use foveal_core::content::mesh::payload::{Attributes, ClusterRef};
+use foveal_core::content::mesh::payload::Attributes;
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes};
 use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneObject};
 use foveal_core::content::scene::kind::UnitKind;
+use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::pack::unit::UnitId;
 use glam::{DAffine3, DVec3};
@@ -216,9 +217,9 @@ fn numbered(nodes: Vec<CloudNode>, object: u16) -> Graphed {
             needs: node.parent.map(|it| unit_of[it]).into_iter().collect(),
             replaces: node
                 .parent
-                .map(|_| ClusterRef {
+                .map(|_| PartRef {
                     need: 0,
-                    cluster: node.octant,
+                    part: node.octant,
                 })
                 .into_iter()
                 .collect(),

@@ -151,7 +151,7 @@ fn units_fit_into_a_cut_in_their_order() {
             .row
             .needs
             .first()
-            .map(|it| (*it, unit.row.replaces[0].cluster));
+            .map(|it| (*it, unit.row.replaces[0].part));
         cut.insert(UnitId(number as u32), refines, &says, &cloud)
             .unwrap();
     }

@@ -26,7 +26,7 @@ fn steps(built: &Built) -> Vec<Step> {
         let replaced = row.replaces.iter();
         let before = replaced.flat_map(|it| {
             let unit = placed(row.needs[usize::from(it.need)]);
-            unit.triangles(usize::from(it.cluster))
+            unit.triangles(usize::from(it.part))
         });
         let unit = placed(UnitId(number as u32));
         let after = (0..unit.clusters.len()).flat_map(|it| unit.triangles(it));

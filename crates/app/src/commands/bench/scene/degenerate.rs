@@ -73,7 +73,7 @@ fn drawn_from(cloud: SourceCloud) -> anyhow::Result<TwinScene> {
     let attributes = built.objects[0].points.unwrap_or_default().attributes;
     let mut scene = TwinScene::new(&built.objects, &[]);
     for (number, unit) in (0..).zip(&built.units) {
-        let octant = unit.row.replaces.first().map(|it| it.cluster);
+        let octant = unit.row.replaces.first().map(|it| it.part);
         scene.upload_points(&ComingPoints {
             unit: foveal_core::pack::unit::UnitId(number),
             object: 0,

@@ -1,7 +1,8 @@
 //! Are units that do not fit refused, and is what they replaced drawn again without them?
 
 use super::*;
-use crate::content::mesh::payload::{Cluster, ClusterRef};
+use crate::content::mesh::payload::Cluster;
+use crate::content::scene::part_ref::PartRef;
 
 const ROOT: UnitId = UnitId(0);
 const FINE: UnitId = UnitId(1);
@@ -32,10 +33,7 @@ fn root() -> MeshUnit {
 /// What refines the second of them: a vertex more, on one of its edges.
 fn fine() -> MeshUnit {
     MeshUnit {
-        replaces: vec![ClusterRef {
-            need: 0,
-            cluster: 1,
-        }],
+        replaces: vec![PartRef { need: 0, part: 1 }],
         staying: 3,
         vertices: vec![vertex(9)],
         clusters: vec![cluster(&[0, 1, 3]), cluster(&[0, 3, 2])],
@@ -67,7 +65,7 @@ fn a_unit_is_drawn_in_place_of_what_it_replaces_until_it_goes() {
 fn staying_vertices_are_named_once_in_the_order_of_the_replaced_clusters() {
     let mut cut = MeshCut::default();
     cut.insert(ROOT, &[], &root()).unwrap();
-    let both = [1, 0].map(|cluster| ClusterRef { need: 0, cluster });
+    let both = [1, 0].map(|part| PartRef { need: 0, part });
     let says = MeshUnit {
         replaces: both.to_vec(),
         staying: 4,
@@ -86,7 +84,7 @@ fn a_unit_that_does_not_fit_changes_nothing() {
     let broken: [fn(&mut MeshUnit); 4] = [
         |it| it.staying = 2,
         |it| it.staying = 4,
-        |it| it.replaces[0].cluster = 2,
+        |it| it.replaces[0].part = 2,
         |it| it.replaces[0].need = 1,
     ];
     for broken in broken {

@@ -33,16 +33,7 @@ fn unit(attributes: Attributes) -> MeshUnit {
     };
     let strip = |count: u8| (2..count).map(|it| [it - 2, it - 1, it]).collect();
     MeshUnit {
-        replaces: vec![
-            ClusterRef {
-                need: 0,
-                cluster: 3,
-            },
-            ClusterRef {
-                need: 1,
-                cluster: 0,
-            },
-        ],
+        replaces: vec![PartRef { need: 0, part: 3 }, PartRef { need: 1, part: 0 }],
         staying: 10,
         vertices: (0..20).map(vertex).collect(),
         clusters: vec![
@@ -77,13 +68,7 @@ fn the_largest_and_the_emptiest_unit_come_back() {
         triangles: (0..126).map(|it| [it, it + 1, it + 2]).collect(),
     };
     let large = MeshUnit {
-        replaces: vec![
-            ClusterRef {
-                need: 15,
-                cluster: 15
-            };
-            MOST_CLUSTERS
-        ],
+        replaces: vec![PartRef { need: 15, part: 15 }; MOST_CLUSTERS],
         staying: 1,
         vertices: (0..u16::MAX)
             .map(|it| MeshVertex::at([it, 0, u16::MAX - it]))
