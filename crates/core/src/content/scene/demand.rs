@@ -1,7 +1,8 @@
 //! Which units of a scene does one viewer want?
 
+mod error_bounds;
+
 use super::Scene;
-use super::rough_look::{RoughError, RoughLook, is_above_one};
 use super::scene::Stand;
 use super::sight::{SeenError, Sight};
 use super::worth::SceneWorth;
@@ -13,6 +14,7 @@ use crate::perception::acuity::AcuityModel;
 use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::units::Radians;
+use error_bounds::{ErrorBounds, RoughError, is_above_one};
 use std::sync::Arc;
 
 /// Errors that cover less of the display, in pixels, are not seen.
@@ -163,9 +165,9 @@ impl SceneDemand {
             return false;
         }
         let sure = match sight.look(sphere, *error) {
-            RoughLook::Missed => return false,
-            RoughLook::Seen(rough) => self.rough_excess(&rough, sight).and_then(is_above_one),
-            RoughLook::Unsure => None,
+            ErrorBounds::Missed => return false,
+            ErrorBounds::Seen(rough) => self.rough_excess(&rough, sight).and_then(is_above_one),
+            ErrorBounds::Unsure => None,
         };
         sure.unwrap_or_else(|| {
             let seen = sight.seen(sphere, *error);

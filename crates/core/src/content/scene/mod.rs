@@ -8,7 +8,6 @@ pub mod lighting;
 pub mod object_table;
 pub mod pack;
 pub mod part_ref;
-mod rough_look;
 #[allow(
     clippy::module_inception,
     reason = "the room of scenes holds one type of that name"

@@ -3,7 +3,7 @@
 //! Arc functions take most of the time of choosing. Here they are short polynomials with a known
 //! error; who finds the answer within it asks [`Sight::seen`], so that nothing is chosen otherwise.
 
-use super::sight::{Sight, Sphere};
+use crate::content::scene::sight::{Sight, Sphere};
 use crate::units::Radians;
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,9 +12,9 @@ const OFF: f64 = 2e-4;
 /// What rounding may change of a number that is compared, as a share of it, with room.
 const ROUNDING: f64 = 1e-9;
 
-/// A first look at an error.
+/// What is sure of how an error is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum RoughLook {
+pub(super) enum ErrorBounds {
     /// It is out of view by more than the margin.
     Missed,
     /// It is seen so.
@@ -42,17 +42,17 @@ impl Sight {
 
     /// What is sure of an error.
     #[inline]
-    pub(super) fn look(&self, sphere: &Sphere, error: f64) -> RoughLook {
+    pub(super) fn look(&self, sphere: &Sphere, error: f64) -> ErrorBounds {
         let towards = sphere.centre - self.eye;
         let distance = towards.length();
         if distance <= sphere.radius || self.glance.is_magnified() {
-            return RoughLook::Unsure;
+            return ErrorBounds::Unsure;
         }
         let (direction, share) = (towards / distance, sphere.radius / distance);
         let frustum = self.frustum.as_ref();
         match frustum.map_or(Some(false), |it| it.is_surely_missed(direction, share)) {
-            None => return RoughLook::Unsure,
-            Some(true) => return RoughLook::Missed,
+            None => return ErrorBounds::Unsure,
+            Some(true) => return ErrorBounds::Missed,
             Some(false) => {}
         }
         let apart = arc_cosine(self.glance.gaze.gaze_in_content.dot(direction));
@@ -62,7 +62,7 @@ impl Sight {
             let of_sphere = Radians(eccentricity.clamp(0.0, PI));
             self.spread.effective(of_sphere)
         };
-        RoughLook::Seen(RoughError {
+        ErrorBounds::Seen(RoughError {
             error: Radians(error / (distance - sphere.radius)),
             eccentricity: [effective(nearest - OFF), effective(nearest + OFF)],
         })
