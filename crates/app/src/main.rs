@@ -82,11 +82,11 @@ enum Command {
 
 #[derive(Debug, Subcommand)]
 enum Prepare {
-    /// Flat or 360° video, or a still picture.
+    /// Turn flat or 360° video, or a still picture, into a pack.
     Video(commands::prepare::PrepareVideoArgs),
-    /// 3D files of one scene: meshes (glTF, OBJ, PLY, STL) and laser scans (LAS, LAZ, PLY).
+    /// Turn meshes (glTF, OBJ, PLY, STL) and scans (LAS, LAZ, PLY) of one scene into a pack.
     Scene(commands::scene::prepare::PrepareSceneArgs),
-    /// Which formats are read, and what comes of what their files hold.
+    /// List the formats that are read, and what becomes of what their files hold.
     Formats(commands::formats::FormatsArgs),
 }
 

@@ -62,7 +62,7 @@ pub(crate) fn score_card(played: &Played) -> Card {
                 counted(played.judged, "frame")
             ),
             format!(
-                "{} against the source ({} of full)",
+                "{} against the source, where full reaches {}",
                 jod(own.source_score.as_ref()),
                 jod(full.source_score.as_ref())
             ),
@@ -70,9 +70,13 @@ pub(crate) fn score_card(played: &Played) -> Card {
     }
 }
 
+/// What `auto` takes over what the baselines take; what is more is said as such.
 fn of_baselines(played: &Played, cost: Cost) -> String {
-    let of = |baseline| percent(ratio(&played.runs, cost, FOVEATED, baseline));
-    format!("{} of full, {} of viewport", of(FULL), of(VIEWPORT))
+    let of = |baseline, name: &str| match ratio(&played.runs, cost, FOVEATED, baseline) {
+        share if share > 1.0005 => format!("{} more than {name}", percent(share - 1.0)),
+        share => format!("{} of {name}", percent(share)),
+    };
+    format!("{}, {}", of(FULL, "full"), of(VIEWPORT, "viewport"))
 }
 
 /// A share in percent, with one decimal or two digits.
