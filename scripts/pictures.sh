@@ -31,11 +31,12 @@ show() {
 sphere=demo/generated-360.foveal film=demo/generated-wide.foveal mesh=demo/knot.foveal
 
 # README: the whole picture with the gaze, the levels, and what is shown.
-at=(--view 480x400 --fov 60 --gaze=8,-12 --frames 1)
+at=(--view 960x800 --fov 50 --gaze=8,-9 --frames 1)
 show whole "$sphere" --policy full "${at[@]}"
-show levels "$sphere" --target 9 --heat-map "${at[@]}"
-show shown "$sphere" --target 9 "${at[@]}"
-join "$out/foveated.png" whole.png:ring=300,285,20 levels.png shown.png
+show levels "$sphere" --policy acuity --slope 0.022 --heat-map "${at[@]}"
+show shown "$sphere" --policy acuity --slope 0.022 "${at[@]}"
+# On a sphere the head follows, so the gaze is in the middle; the ring is 2.5° round it.
+join "$out/foveated.png" whole.png:half:ring=240,200,22 levels.png:half shown.png:half
 
 # The source itself, every finest tile, and a target of 9.5.
 [ -f source.foveal ] || foveal prepare video demo/generated-360.png --codec png --no-loss \
@@ -51,7 +52,8 @@ at=(--view 1000x1000 --fov 40 --gaze 10,7 --frames 2)
 show scene "$mesh" --policy acuity "${at[@]}"
 show scene-levels "$mesh" --policy acuity --heat-map "${at[@]}"
 show scene-fine "$mesh" --policy viewport "${at[@]}"
-join "$out/scene.png" scene.png:half:ring=370,160,32 scene-levels.png:half scene-fine.png:half
+crop=half:crop=370x350+65+110
+join "$out/scene.png" "scene.png:$crop:ring=305,50,30" {scene-levels,scene-fine}.png:$crop
 
 # Panels: three that one source fills, where the source lies, and how much it is magnified.
 rigs="$root/examples/panels"
@@ -63,7 +65,7 @@ foveal panels figures "$rigs/twelve.toml" --out figures-twelve >>three.txt
 cp figures-twelve/source.svg "$out/panels-twelve.svg"
 foveal panels figures "$rigs/twelve.toml" --placement seed --source 1600x1200 \
   --out figures-seed >>three.txt
-cp figures-seed/magnification.png "$out/panels-magnified.png"
+join "$out/panels-magnified.png" figures-seed/magnification.png
 
 # What a step is worth (docs/concepts/perception.md).
 at=(--view 960x540 --gaze 0,0 --frames 1)
@@ -71,7 +73,7 @@ show coarsest "$film" --policy coarsest "${at[@]}"
 show finest "$film" --policy full "${at[@]}"
 foveal perception importance coarsest.png finest.png --gaze 422,118 --fov 48 --out heat.png \
   --updates >heat.txt
-cp heat-sheet.png "$out/importance.png"
+join "$out/importance.png" heat-sheet.png
 
 # Samples and blur (docs/concepts/kastner.md).
 at=(--view 1920x1080 --gaze=-5,-3 --frames 1 --policy sampled)
@@ -79,10 +81,10 @@ for samples in 690926 35375; do
   show "nearest-$samples" "$film" --samples $samples --interpolation nearest "${at[@]}"
   show "blended-$samples" "$film" --samples $samples --interpolation blended "${at[@]}"
 done
-crop=crop=480x320+960+480
+crop=crop=480x320+520+500
 join "$out/samples.png" {nearest,blended}-690926.png:$crop / {nearest,blended}-35375.png:$crop
 show blurred "$film" --policy viewport --blur on --view 640x360 --gaze 0,0 --frames 1
-cp blurred.png "$out/blur.png"
+join "$out/blur.png" blurred.png
 
 if [ -n "${GAZE:-}" ]; then
   foveal gaze eval delay --leave-one-out --data "$GAZE"/sgaze*.csv \

@@ -224,8 +224,8 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .as_deref()
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
-    refuse_name_of_another(out)?;
     let there = pack_at(out)?;
+    refuse_name_of_another(out)?;
     let plan = args.plan()?;
     if let Some(there) = there.as_ref().filter(|_| !args.force) {
         let pack = there.if_it_is(&pack_identity_of(&args.input, &plan)?)?;

@@ -110,8 +110,8 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .as_deref()
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
-    refuse_name_of_another(out)?;
     let there = pack_at(out)?;
+    refuse_name_of_another(out)?;
     // Before the work: a second preparation is refused at once.
     let claim = match there.is_none() || args.force {
         true => Some(NameClaim::of(out, if_taken(there.as_ref()))?),

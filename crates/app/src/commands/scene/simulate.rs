@@ -425,8 +425,8 @@ impl SceneSummary {
         if let (Some(fovea), Some(all)) = (self.error_fovea, self.error_all) {
             let _ = writeln!(
                 text,
-                "mean error of luminance at the end, against full detail: {:.2} % in the fovea, \
-                 {:.2} % in the whole picture",
+                "luminance differs from full detail at the end by {:.2} % in the fovea and by \
+                 {:.2} % in the whole picture (root mean square)",
                 100.0 * fovea,
                 100.0 * all
             );
