@@ -133,16 +133,23 @@ fn main() -> ExitCode {
     }
 }
 
-/// Suggests a command when a file was given in place of one.
+/// Suggests a command when a file was given in place of one, and a comma where a gaze was given as
+/// two words.
 fn with_hint(mut error: clap::Error) -> clap::Error {
-    use clap::error::{ContextKind, ContextValue};
-    let command = &report::called::called().command;
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    let called = report::called::called();
+    let command = &called.command;
     let takes_files = ["foveal", "foveal prepare", "foveal panels"].contains(&command.as_str());
-    let word = match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(word)) if takes_files => word.clone(),
-        _ => return error,
+    let hint = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(word)) if takes_files => {
+            run::other_input::meant_command(command, word)
+        }
+        _ if error.kind() == ErrorKind::UnknownArgument => {
+            gaze_source::gaze_in_two_words(&called.words)
+        }
+        _ => None,
     };
-    if let Some(hint) = run::other_input::meant_command(command, &word) {
+    if let Some(hint) = hint {
         let hint = ContextValue::StyledStrs(vec![hint.into()]);
         error.insert(ContextKind::Suggested, hint);
     }

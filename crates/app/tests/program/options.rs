@@ -58,6 +58,11 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
     }
     let eyes = done(&with(&["--eye", "both"])).stderr;
     assert!(eyes.contains("one picture for both eyes"), "{eyes}");
+    let field = done(&with(&["--fov", "60"])).stderr;
+    assert!(
+        field.contains("--fov changes nothing for flat content"),
+        "{field}"
+    );
     refused(
         2,
         &with(&["--preset", "kastner"]),

@@ -13,11 +13,16 @@ use foveal_core::units::counted;
 
 /// What `auto` takes for a frame, over what the baselines take.
 pub(crate) fn pixels_card(played: &Played) -> Card {
-    let share = played.runs[FOVEATED].summary.pixels_share_mean;
+    let [of_full, of_viewport] = [FULL, VIEWPORT]
+        .map(|baseline| percent(ratio(&played.runs, Cost::Pixels, FOVEATED, baseline)));
+    let note = match of_full == of_viewport {
+        true => "of full and of viewport".to_owned(),
+        false => format!("of full; {of_viewport} of viewport"),
+    };
     Card {
         name: "Pixels a frame",
-        value: percent(share),
-        notes: vec![of_baselines(played, Cost::Pixels)],
+        value: of_full,
+        notes: vec![note],
     }
 }
 
@@ -72,11 +77,16 @@ pub(crate) fn score_card(played: &Played) -> Card {
 
 /// What `auto` takes over what the baselines take; what is more is said as such.
 fn of_baselines(played: &Played, cost: Cost) -> String {
-    let of = |baseline, name: &str| match ratio(&played.runs, cost, FOVEATED, baseline) {
-        share if share > 1.0005 => format!("{} more than {name}", percent(share - 1.0)),
-        share => format!("{} of {name}", percent(share)),
+    let [full, viewport] =
+        [FULL, VIEWPORT].map(|baseline| ratio(&played.runs, cost, FOVEATED, baseline));
+    let of = |share: f64, name: &str| match share > 1.0005 {
+        true => format!("{} more than {name}", percent(share - 1.0)),
+        false => format!("{} of {name}", percent(share)),
     };
-    format!("{}, {}", of(FULL, "full"), of(VIEWPORT, "viewport"))
+    match percent(full) == percent(viewport) {
+        true => of(full, "full and viewport"),
+        false => format!("{}, {}", of(full, "full"), of(viewport, "viewport")),
+    }
 }
 
 /// A share in percent, with one decimal or two digits.
