@@ -8,7 +8,7 @@ export INPUT
 # Where there is no desktop, Mesa's Vulkan layers complain about its absence.
 export XDG_RUNTIME_DIR ?= /tmp
 
-.PHONY: help setup build web demo samples test check fuzz clean
+.PHONY: help setup build web demo samples pictures test check fuzz clean
 
 help: ## list these targets
 	@sed -nE 's/^([a-z]+):[^#]*## (.*)/make \1|\2/p' Makefile | \
@@ -38,6 +38,9 @@ demo: build ## show a clip, a sphere, a mesh and panels in demo/ (INPUT=file for
 
 samples: ## fetch two scanned meshes into samples/, to try scenes on
 	@scripts/fetch-scenes.sh samples
+
+pictures: build ## make every picture of the documents again, in docs/pictures
+	scripts/pictures.sh "$(TARGET)/release/foveal" "$(TARGET)/pictures"
 
 test: setup ## check everything, as CI does
 	cargo xtask ci

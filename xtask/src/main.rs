@@ -26,7 +26,7 @@ cargo xtask COMMAND
   ci              every check: what CI runs
   measured [NAME] repeat the figures of docs/measured.toml (of runs whose name contains NAME) and
                   say what moved; --sample only the quick ones, as CI does; --take NAME writes
-                  what came out into the list; --write writes the tables of documents from it
+                  what came out into the list; --write writes the tables and plots of documents
   check           fmt, tidy, clippy and tests of the crates that differ from the last commit
   bless [FILTER]  run the tests (those whose name contains FILTER) and rewrite their goldens";
 

@@ -47,19 +47,47 @@ fn every_command_that_the_documents_show_is_one_that_the_program_takes() {
 fn every_example_of_the_help_is_one_that_the_program_takes() {
     let shown: Vec<Shown> = examples::ALL
         .iter()
-        .flat_map(|(path, lines)| of_line(path, lines, true))
+        .flat_map(|(path, lines)| lines.map(|line| of_line(path, line, true)))
+        .flatten()
         .collect();
-    assert!(shown.len() >= examples::ALL.len());
+    assert_eq!(shown.len(), 2 * examples::ALL.len());
     let complaints: Vec<_> = shown.iter().filter_map(complaint).collect();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
-    // Each hangs on a command that there is.
-    for (path, _) in examples::ALL {
-        let help = examples::attached(Cli::command());
+}
+
+/// Commands that run something, by the words that call them.
+fn that_run(command: &clap::Command, path: &str, found: &mut Vec<String>) {
+    let below = command.get_subcommands().filter(|c| c.get_name() != "help");
+    let mut is_group = false;
+    for command in below {
+        is_group = true;
+        let path = format!("{path} {}", command.get_name());
+        that_run(command, path.trim(), found);
+    }
+    if !is_group {
+        found.push(path.to_owned());
+    }
+}
+
+#[test]
+fn the_help_of_every_command_begins_with_a_sentence_and_ends_with_two_examples() {
+    let program = examples::attached(Cli::command());
+    let mut paths = Vec::new();
+    that_run(&program, "", &mut paths);
+    let mut listed: Vec<&str> = examples::ALL.iter().map(|(path, _)| *path).collect();
+    listed.sort_unstable();
+    paths.sort_unstable();
+    assert_eq!(listed, paths);
+    for (path, lines) in examples::ALL {
         let command = path
             .split(' ')
-            .try_fold(&help, |at, name| at.find_subcommand(name));
-        let command = command.unwrap_or_else(|| panic!("there is no foveal {path}"));
-        assert!(command.get_after_help().is_some(), "{path}");
+            .try_fold(&program, |at, name| at.find_subcommand(name))
+            .unwrap();
+        let ending = command.get_after_help().unwrap().to_string();
+        assert!(ending.ends_with(lines[1]), "{path}: {ending}");
+        let about = command.get_about().unwrap().to_string();
+        let capital = about.chars().next().is_some_and(char::is_uppercase);
+        assert!(capital && !about.contains('\n'), "{path}: {about}");
     }
 }
 
@@ -81,7 +109,11 @@ fn the_page_of_commands_is_the_help_of_the_program() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/commands.md");
     let mut program = help::by_task(examples::attached(Cli::command()));
     program.build();
-    let mut text = "# Commands\n\nWhat `--help` prints for each command.\n".to_owned();
+    let mut text = "# Commands\n\nLook up a command and its options here: this is what `--help` \
+                    prints, with two examples at the end of each. The exit code is 0 when a \
+                    command is done, 2 when the command line is wrong and nothing was done, and 1 \
+                    when an input, the machine or a check failed ([results](formats/results.md)).\n"
+        .to_owned();
     reference(&mut program, "foveal", &mut text);
     if std::env::var("FOVEAL_BLESS").is_ok_and(|value| value == "1") {
         std::fs::write(path, &text).unwrap();

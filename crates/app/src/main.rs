@@ -82,11 +82,11 @@ enum Command {
 
 #[derive(Debug, Subcommand)]
 enum Prepare {
-    /// Flat or 360° video, or a still picture.
+    /// Turn flat or 360° video, or a still picture, into a pack.
     Video(commands::prepare::PrepareVideoArgs),
-    /// 3D files of one scene: meshes (glTF, OBJ, PLY, STL) and laser scans (LAS, LAZ, PLY).
+    /// Turn meshes (glTF, OBJ, PLY, STL) and scans (LAS, LAZ, PLY) of one scene into a pack.
     Scene(commands::scene::prepare::PrepareSceneArgs),
-    /// Which formats are read, and what comes of what their files hold.
+    /// List the formats that are read, and what becomes of what their files hold.
     Formats(commands::formats::FormatsArgs),
 }
 
@@ -133,16 +133,23 @@ fn main() -> ExitCode {
     }
 }
 
-/// Suggests a command when a file was given in place of one.
+/// Suggests a command when a file was given in place of one, and a comma where a gaze was given as
+/// two words.
 fn with_hint(mut error: clap::Error) -> clap::Error {
-    use clap::error::{ContextKind, ContextValue};
-    let command = &report::called::called().command;
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    let called = report::called::called();
+    let command = &called.command;
     let takes_files = ["foveal", "foveal prepare", "foveal panels"].contains(&command.as_str());
-    let word = match error.get(ContextKind::InvalidSubcommand) {
-        Some(ContextValue::String(word)) if takes_files => word.clone(),
-        _ => return error,
+    let hint = match error.get(ContextKind::InvalidSubcommand) {
+        Some(ContextValue::String(word)) if takes_files => {
+            run::other_input::meant_command(command, word)
+        }
+        _ if error.kind() == ErrorKind::UnknownArgument => {
+            gaze_source::gaze_in_two_words(&called.words)
+        }
+        _ => None,
     };
-    if let Some(hint) = run::other_input::meant_command(command, &word) {
+    if let Some(hint) = hint {
         let hint = ContextValue::StyledStrs(vec![hint.into()]);
         error.insert(ContextKind::Suggested, hint);
     }

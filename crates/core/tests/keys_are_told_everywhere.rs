@@ -72,8 +72,8 @@ fn the_document_of_keys_is_the_table() {
     };
     let made = format!(
         "# Keys\n\n\
-         The same in the window of `foveal view` and in a page. <kbd>H</kbd> lists those that do \
-         something there.\n\n\
+         You can use these keys in the window of `foveal view` and in a page. <kbd>H</kbd> lists \
+         those that do something there.\n\n\
          | key | | where |\n|---|---|---|\n{}\n\
          In the page F1, F11 and Esc are the browser's: Esc leaves the full screen.\n",
         KEYS.iter().map(line).collect::<String>()

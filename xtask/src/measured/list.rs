@@ -15,6 +15,7 @@ pub(super) struct List {
     pub(super) inputs: BTreeMap<String, Vec<String>>,
     pub(super) runs: Vec<Run>,
     pub(super) tables: Vec<Table>,
+    pub(super) plots: Vec<Plot>,
     text: String,
 }
 
@@ -62,6 +63,26 @@ pub(super) struct Table {
     pub(super) text: String,
 }
 
+/// A picture of scores over costs.
+pub(super) struct Plot {
+    pub(super) file: String,
+    pub(super) title: String,
+    /// Words along the axis of costs.
+    pub(super) axis: String,
+    /// How the figures of a row end that are its cost and its score, without the hyphen.
+    pub(super) x: String,
+    pub(super) y: String,
+    /// Costs are drawn times this.
+    pub(super) factor: f64,
+    pub(super) series: Vec<Series>,
+}
+
+/// A line of a plot: its name, and how the figures of its points begin.
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) rows: Vec<String>,
+}
+
 impl List {
     pub(super) fn of_repository() -> Result<Self, String> {
         let path = repository_root().join(LIST);
@@ -79,10 +100,13 @@ impl List {
         let runs: Vec<Run> = runs.map(run).collect::<Result<_, String>>()?;
         let tables = value["table"].as_array().into_iter().flatten();
         let tables = tables.map(table).collect::<Result<_, String>>()?;
+        let plots = value["plot"].as_array().into_iter().flatten();
+        let plots = plots.map(plot).collect::<Result<_, String>>()?;
         let list = Self {
             inputs,
             runs,
             tables,
+            plots,
             text,
         };
         list.check()?;
@@ -205,6 +229,26 @@ fn table(value: &Value) -> Result<Table, String> {
         file: text(value, "file", &name)?,
         text: text(value, "text", &name)?,
         name,
+    })
+}
+
+fn plot(value: &Value) -> Result<Plot, String> {
+    let file = text(value, "file", "a plot")?;
+    let series = value["series"].as_array().into_iter().flatten();
+    let series = series.map(|one| {
+        Ok(Series {
+            name: text(one, "name", &file)?,
+            rows: words(&one["rows"], &file)?,
+        })
+    });
+    Ok(Plot {
+        title: text(value, "title", &file)?,
+        axis: text(value, "axis", &file)?,
+        x: text(value, "x", &file)?,
+        y: text(value, "y", &file)?,
+        factor: number(value, "factor", &file)?,
+        series: series.collect::<Result<_, String>>()?,
+        file,
     })
 }
 

@@ -1,10 +1,11 @@
 //! Do the figures in the documents come out when their commands run again?
 //!
 //! `docs/measured.toml` holds every measured figure with the command that makes it. Tables in
-//! documents are written from it, so a figure stands in one place.
+//! documents and plots are written from it, so a figure stands in one place.
 
 mod key;
 mod list;
+mod plots;
 mod repeat;
 mod shown;
 mod tables;
@@ -13,7 +14,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::steps::{self, Outcome, repository_root};
-use list::List;
+use list::{List, Plot};
 use repeat::Workplace;
 
 /// Where the figures are.
@@ -75,7 +76,7 @@ pub(crate) fn take(text: &str) -> Outcome {
     write()
 }
 
-/// Writes every table of the documents from the list.
+/// Writes every table of the documents and every plot from the list.
 pub(crate) fn write() -> Outcome {
     let list = List::of_repository()?;
     for file in list.documents() {
@@ -87,11 +88,20 @@ pub(crate) fn write() -> Outcome {
             println!("measured: {file} written");
         }
     }
+    for plot in &list.plots {
+        let file = &plot.file;
+        let new = plots::drawn(&list, plot).map_err(|e| format!("{file}: {e}"))?;
+        let path = repository_root().join(file);
+        if fs::read_to_string(&path).ok().as_ref() != Some(&new) {
+            fs::write(&path, new).map_err(|e| format!("{file}: {e}"))?;
+            println!("measured: {file} written");
+        }
+    }
     Ok(())
 }
 
-/// What is wrong with the list, or where a table is not what the list makes of it; each with its
-/// file.
+/// What is wrong with the list, or where a table or a plot is not what the list makes of it; each
+/// with its file.
 pub(crate) fn stale_tables() -> Vec<(String, String)> {
     let list = match List::of_repository() {
         Ok(list) => list,
@@ -106,7 +116,19 @@ pub(crate) fn stale_tables() -> Vec<(String, String)> {
         };
         Some((file, message))
     };
-    list.documents().into_iter().filter_map(fault).collect()
+    let stale_plot = |plot: &Plot| {
+        let old = fs::read_to_string(repository_root().join(&plot.file)).unwrap_or_default();
+        let message = match plots::drawn(&list, plot) {
+            Ok(new) if new == old => return None,
+            Ok(_) => format!("it is not what {LIST} says: run `cargo xtask measured --write`"),
+            Err(message) => message,
+        };
+        Some((plot.file.clone(), message))
+    };
+    let tables = list.documents().into_iter().filter_map(fault);
+    tables
+        .chain(list.plots.iter().filter_map(stale_plot))
+        .collect()
 }
 
 /// The program that FOVEAL names, else as users build it.

@@ -301,6 +301,11 @@ impl PackInfo {
     }
 
     pub(crate) fn text(&self) -> String {
+        self.text_but(&[])
+    }
+
+    /// The same, without the remarks that were `said` already.
+    pub(crate) fn text_but(&self, said: &[String]) -> String {
         let cut = match self.cut {
             Cut::Tile(px) => format!("tiles of {px} px"),
             Cut::Grid([c, r]) => format!("a grid of {c}x{r} a face"),
@@ -358,7 +363,9 @@ impl PackInfo {
                 }
             );
         }
-        text + &remarks_told(&self.repairs, &self.remarks)
+        let new = |remark: &&String| !said.contains(remark);
+        let remarks: Vec<String> = self.remarks.iter().filter(new).cloned().collect();
+        text + &remarks_told(&self.repairs, &remarks)
     }
 
     /// How it surrounds the eye, in words.

@@ -9,7 +9,7 @@ use crate::run::calibrate::{CalibrationExtent, calibrate};
 use crate::run::kept_pack::{remark, warn};
 use crate::run::loss::loss_of;
 use crate::run::other_input::{no_video, refuse_pack};
-use crate::run::pack_place::{if_taken, pack_at};
+use crate::run::pack_place::{if_taken, pack_at, refuse_name_of_another};
 use crate::run::quantisers::with_quantisers;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
@@ -225,6 +225,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     refuse_to_overwrite_input(&args.input, out)?;
     let there = pack_at(out)?;
+    refuse_name_of_another(out)?;
     let plan = args.plan()?;
     if let Some(there) = there.as_ref().filter(|_| !args.force) {
         let pack = there.if_it_is(&pack_identity_of(&args.input, &plan)?)?;
@@ -240,6 +241,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
         warn(out, &[usual.to_owned()]);
     }
     remark(&args.input, &plan.remarks);
+    let said = [&plan.remarks.warnings[..], &plan.remarks.notes].concat();
     let begun = Instant::now();
     let claim = NameClaim::of(out, if_taken(there.as_ref()))?;
     let plan = with_quantisers(&args.input, plan, output::jobs(args.jobs)?)?;
@@ -251,7 +253,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
 {}{}
 ",
         out.display(),
-        pack.text(),
+        pack.text_but(&said),
         pack.in_short()
     );
     args.say_done(&pack, Some(calibrate_s), &text)
@@ -403,14 +405,20 @@ impl PrepareVideoArgs {
             warnings: plan.remarks.warnings.clone(),
             notes: plan.remarks.notes.clone(),
         };
+        let more = match (self.codec.quality()?, self.calibrate.extent()) {
+            (Quality::Auto, _) | (_, Some(_)) => {
+                ", and one to two minutes of CPU time more to find its quality and calibrate it"
+            }
+            _ => "",
+        };
         let all = match (estimate.seconds, estimate.bytes) {
             (Some(seconds), Some(bytes)) => {
                 format!(
-                    "about {seconds:.0} s and {:.1} MB in all",
+                    "about {:.1} MB, coded in about {seconds:.0} s{more}",
                     bytes as f64 / 1e6
                 )
             }
-            _ => "the number of frames is not known".to_owned(),
+            _ => format!("the number of frames is not known{more}"),
         };
         let by = match plan.is_still {
             true => "a picture".to_owned(),
@@ -421,14 +429,7 @@ impl PrepareVideoArgs {
                 counted(rehearsed, "frame"),
             ),
         };
-        let more = match (self.codec.quality()?, self.calibrate.extent()) {
-            (Quality::Auto, _) | (_, Some(_)) => {
-                ", without finding its quality and calibrating it, which take a minute or two of \
-                 CPU time"
-            }
-            _ => "",
-        };
-        let text = format!("{all}{more}; {by} (nothing written)");
+        let text = format!("{all}; {by} (nothing written)");
         output::result(self.json, &estimate, &text)
     }
 }

@@ -93,10 +93,33 @@ pub(crate) fn parse_gaze(text: &str) -> anyhow::Result<GazeChoice> {
     })
 }
 
+/// How a gaze that stands in two words of a command line, as `--gaze 10 5`, is meant.
+pub(crate) fn gaze_in_two_words(words: &[String]) -> Option<String> {
+    let is_number = |word: &String| word.parse::<f64>().is_ok();
+    let mut all = words.windows(3);
+    let found = all.find(|it| it[0] == "--gaze" && is_number(&it[1]) && is_number(&it[2]))?;
+    let [_, yaw, pitch] = found else { return None };
+    Some(format!(
+        "join the two numbers by a comma, as `--gaze {yaw},{pitch}`"
+    ))
+}
+
 fn direction(text: &str) -> anyhow::Result<[f64; 2]> {
-    let [yaw, pitch] = parse_pair(text).map_err(|_| anyhow!("expected {FORMS}"))?;
-    if pitch.abs() > 90.0 || yaw.abs() > 36_000.0 {
-        bail!("a pitch beyond 90 degrees, or a yaw beyond 36000");
+    let [yaw, pitch] = parse_pair(text).map_err(|_| match text.trim().parse::<f64>() {
+        Ok(_) => anyhow!("one number; give yaw and pitch with a comma and no space, as 10,5"),
+        Err(_) => anyhow!("expected {FORMS}"),
+    })?;
+    let beyond = |angle: &str, found: f64, most: f64| {
+        anyhow!(
+            "the {angle} {found} is beyond {most} degrees; give degrees to the right and up, as \
+             10,5, not pixels"
+        )
+    };
+    if pitch.abs() > 90.0 {
+        return Err(beyond("pitch", pitch, 90.0));
+    }
+    if yaw.abs() > 36_000.0 {
+        return Err(beyond("yaw", yaw, 36_000.0));
     }
     Ok([yaw, pitch])
 }

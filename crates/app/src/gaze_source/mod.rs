@@ -9,7 +9,7 @@ mod trace_file;
 mod tracker_options;
 mod viewer;
 
-pub(crate) use choice::{GazeChoice, LiveChoice, parse_gaze};
+pub(crate) use choice::{GazeChoice, LiveChoice, gaze_in_two_words, parse_gaze};
 pub(crate) use intake::Counts;
 pub(crate) use live::{Live, interrupted};
 pub(crate) use source::{FIRST_SAMPLE, GazeSource};

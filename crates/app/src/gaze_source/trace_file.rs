@@ -2,9 +2,9 @@
 //!
 //! One reader, whichever command asks: a trace, or a recording as published with Hu et al. 2019.
 
-use crate::report::output::open_file;
-use anyhow::Context;
-use foveal_core::gaze::read::trace::{MAX_LINE_BYTES, Trace, TraceReader};
+use crate::report::output::{open_file, told};
+use anyhow::{Context, anyhow};
+use foveal_core::gaze::read::trace::{MAX_LINE_BYTES, Trace, TraceError, TraceReader};
 use foveal_core::gaze::read::tracker_table::{TrackerForm, TrackerReader};
 use foveal_eval::gaze::head_recording::HeadRecording;
 use foveal_eval::gaze::trace_from_head::trace_from_recording;
@@ -47,11 +47,26 @@ impl GazeFile {
 
 /// Reads the trace of a file, or the one that a recording of eyes and head is.
 pub(crate) fn read_trace(path: &Path) -> anyhow::Result<Trace> {
-    match GazeFile::read(path, GazeForm::Trace)? {
+    match GazeFile::read(path, GazeForm::Trace).map_err(with_hint)? {
         GazeFile::Trace(trace) => Ok(trace),
         GazeFile::Recording(recording) => {
             trace_from_recording(&recording).with_context(|| path.display().to_string())
         }
+    }
+}
+
+/// Names the way to read a table with another header, as trackers write.
+fn with_hint(error: anyhow::Error) -> anyhow::Error {
+    let is_other = |cause: &(dyn std::error::Error + 'static)| {
+        cause.downcast_ref::<TraceError>() == Some(&TraceError::Header("t_s"))
+    };
+    match error.chain().any(is_other) {
+        true => anyhow!(
+            "{}; a tracker's own table is read with --gaze-columns and --gaze-screen, and `foveal \
+             gaze record` turns it into a trace",
+            told(&error)
+        ),
+        false => error,
     }
 }
 

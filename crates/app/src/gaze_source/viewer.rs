@@ -1,6 +1,6 @@
 //! What is assumed about a viewer?
 
-use crate::report::output::read_settings;
+use crate::report::output::{WrongUsage, read_settings};
 use anyhow::{Context, bail};
 use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use foveal_core::units::Seconds;
@@ -37,7 +37,9 @@ pub(crate) fn preset_of(choice: &str, plays: bool) -> anyhow::Result<HeadGazePre
             true => "; or kastner-2016, to choose as that system does",
             false => "",
         };
-        bail!("--preset is {choice}; give free-viewing, search or a file that is there{system}");
+        bail!(WrongUsage(format!(
+            "--preset is {choice}; give free-viewing, search or a file that is there{system}"
+        )));
     }
     let text = read_settings(path, "a preset")?;
     let preset: HeadGazePreset = toml::from_str(&text).with_context(|| choice.to_owned())?;

@@ -4,6 +4,7 @@ use crate::options::policy_choice::PolicyChoice;
 use clap::ArgMatches;
 use clap::parser::ValueSource;
 use foveal_core::content::policy::Policy;
+use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::is_scene_pack;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -19,11 +20,34 @@ const OF_TILES: [&str; 7] = [
     "preset",
 ];
 
-/// A line for each option that was given to `simulate` or `select` for another policy.
+/// A line for each option that was given to `simulate` or `select` for another content or policy.
 pub(crate) fn unused_options(matches: &ArgMatches) -> Vec<String> {
     let Some((name @ ("simulate" | "select"), given)) = matches.subcommand() else {
         return Vec::new();
     };
+    let of_content = unused_field(given).map(str::to_owned).into_iter();
+    of_content.chain(unused_of_policy(name, given)).collect()
+}
+
+/// What is said of a field of view that was given for flat content, whose screen sets it.
+fn unused_field(given: &ArgMatches) -> Option<&'static str> {
+    let is_known = given.try_contains_id("fov").is_ok();
+    let is_given = is_known && given.value_source("fov") == Some(ValueSource::CommandLine);
+    let is_flat = || match given.try_get_raw("projection") {
+        Ok(Some(mut projection)) => projection.any(|it| it == "flat"),
+        _ => {
+            let pack = given.try_get_one::<PathBuf>("pack").ok().flatten();
+            let file = pack.and_then(|pack| PackFile::open(pack).ok());
+            file.is_some_and(|file| !file.pack().description().projection.surrounds())
+        }
+    };
+    (is_given && is_flat()).then_some(
+        "warning: --fov changes nothing for flat content, whose screen sets how wide it is; give \
+         --screen INCHES,METRES",
+    )
+}
+
+fn unused_of_policy(name: &str, given: &ArgMatches) -> Vec<String> {
     // A preset brings its own policy, which the content decides.
     if given.value_source("preset") == Some(ValueSource::CommandLine) {
         return Vec::new();

@@ -10,9 +10,10 @@ use std::path::Path;
 /// What is known of the viewer, and what can arrive in time.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Watching {
-    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit (3g, 4g, 5g are 2, 40, 67
-    /// Mbit/s): what uniform, eccentricity and perceptual may spend on finer tiles than those of
-    /// the coarsest level, which is always sent (default: no limit).
+    /// The link between pack and viewer, as RATE or RATE,DELAY: 8mbit or 8mbit,30ms. A rate is in
+    /// kbit, mbit or gbit a second (kB/s and MB/s too), or 3g, 4g, 5g: 2, 40, 67 mbit; a delay in
+    /// ms or s. It limits the tiles that uniform, eccentricity and perceptual fetch beyond the
+    /// coarsest level, which is always sent (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(crate) link: Option<Link>,
     /// Latency from gaze to display, in ms; the link's delay adds to it. Levels are chosen for the

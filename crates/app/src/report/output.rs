@@ -308,6 +308,7 @@ pub(crate) fn size(bytes: u64) -> String {
 pub(crate) enum Counting {
     Frames,
     Bytes,
+    Steps,
 }
 
 /// A progress bar with rate and time left on a terminal; silent in a pipe. Without a length it
@@ -320,6 +321,7 @@ pub(crate) fn bar(length: Option<u64>, counting: Counting) -> ProgressBar {
     let template = match (counting, length) {
         (Counting::Frames, Some(_)) => "{wide_bar} frame {pos} of {len}, {per_sec}, {eta} left",
         (Counting::Frames, None) => "{spinner} frame {pos}, {per_sec}",
+        (Counting::Steps, _) => "{wide_bar} step {pos} of {len}, {elapsed} so far",
         (Counting::Bytes, _) => "{wide_bar} {bytes}/{total_bytes}, {bytes_per_sec}, {eta} left",
     };
     match ProgressStyle::with_template(template) {

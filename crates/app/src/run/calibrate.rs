@@ -13,6 +13,7 @@ pub(crate) use glimpses::sphere_width_deg;
 pub(crate) use measures::CalibrationExtent;
 
 use crate::commands::score::{display_of_view, picture_of};
+use crate::report::output::{self, Counting};
 use crate::run::in_parallel::in_parallel;
 use crate::run::open_player::open_player;
 use anyhow::Context;
@@ -32,6 +33,9 @@ use measures::FoundAtBound;
 use searching::{Search, rows_of};
 use std::path::Path;
 use std::sync::Arc;
+
+/// Steps of a progress bar for each density: drawing, and two rules.
+const STEPS_OF_A_DENSITY: u64 = 3;
 
 /// What was found, and what was not looked at.
 pub(crate) struct Calibrated {
@@ -58,12 +62,19 @@ pub(crate) fn calibrate(
         return Ok(None);
     }
     let (densities, left_out) = glimpses_of(&file, extent)?;
+    let steps = STEPS_OF_A_DENSITY * densities.len() as u64;
+    let bar = output::bar(Some(steps), Counting::Steps);
     let found = in_parallel(jobs, &densities, |density| {
         let stage = Stage::new(&file, density, jobs)?;
+        bar.inc(1);
         let by_loss = stage.rows(Expectation::ByLoss, extent)?;
+        bar.inc(1);
         let elsewise = stage.rows(Expectation::Elsewise, extent)?;
+        bar.inc(1);
         Ok((stage.frames(), [by_loss, elsewise].concat()))
-    })?;
+    });
+    bar.finish_and_clear();
+    let found = found?;
     let frames = found.iter().map(|(frames, _)| *frames).max().unwrap_or(0);
     let rows: Vec<CalibrationRow> = found.into_iter().flat_map(|(_, rows)| rows).collect();
     if rows.is_empty() {
@@ -202,7 +213,7 @@ impl<'a> Stage<'a> {
             bytes_per_s: f64::INFINITY,
             paced: false,
             judged: config.policy != Policy::Full,
-            tell: crate::report::output::say,
+            tell: output::say,
             decoding: Decoding {
                 jobs: 1,
                 choice: DecoderChoice::Software,

@@ -2,19 +2,15 @@
 
 use crate::report::output::WrongUsage;
 use crate::run::not_the_file;
+use crate::run::pack_place::begins_as_pack;
 use foveal_media::VideoInput;
-use foveal_media::plain_file::first_bytes;
 use foveal_scene::read::is_scene_file;
 use std::path::Path;
 
-/// The first bytes of every pack.
-const PACK: &[u8] = b"FOVEAL\r\n";
-
 /// Refuses a file that is a pack already.
 pub(crate) fn refuse_pack(input: &Path) -> Result<(), WrongUsage> {
-    let is_pack = first_bytes(input, PACK.len() as u64).is_ok_and(|it| it == PACK);
     let name = input.display();
-    match is_pack {
+    match begins_as_pack(input) {
         true => Err(WrongUsage(format!(
             "{name}: is a pack already; play it with `foveal view {name}`, or give the file that \
              it was made from"
@@ -79,7 +75,7 @@ pub(crate) fn meant_command(command: &str, word: &str) -> Option<String> {
              PACK`"
         ));
     }
-    if path.extension().is_some_and(|it| it == "foveal") {
+    if path.extension().is_some_and(|it| it == "foveal") || begins_as_pack(path) {
         return Some(format!("`foveal view {word}` plays a pack"));
     }
     let is_file = path.is_file() || path.extension().is_some();

@@ -8,6 +8,7 @@ use foveal_core::units::one_line;
 use foveal_media::pack::name_claim::IfTaken;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::plain_file::first_bytes;
+use foveal_scene::read::is_scene_file;
 use std::path::{Path, PathBuf};
 
 /// A pack that lies where another is to go.
@@ -34,6 +35,25 @@ pub(crate) fn pack_at(out: &Path) -> Result<Option<PackThere>, WrongUsage> {
     )))
 }
 
+/// Refuses a name for a pack that says it is a film, a picture or a 3D file, as other programs
+/// would open it by.
+pub(crate) fn refuse_name_of_another(out: &Path) -> Result<(), WrongUsage> {
+    const OTHERS: [&str; 11] = [
+        "mp4", "m4v", "mkv", "mov", "webm", "avi", "jpg", "jpeg", "png", "webp", "gif",
+    ];
+    let ending = out.extension().unwrap_or_default().to_string_lossy();
+    let is_other = OTHERS.iter().any(|it| it.eq_ignore_ascii_case(&ending));
+    match is_other || is_scene_file(out) {
+        true => Err(WrongUsage(format!(
+            "--out {}: a pack is written, which only Foveal opens, not a file of .{ending}; give \
+             --out {}",
+            out.display(),
+            out.with_extension("foveal").display()
+        ))),
+        false => Ok(()),
+    }
+}
+
 /// What becomes of a pack at that name: another that comes meanwhile is not replaced.
 pub(crate) fn if_taken(there: Option<&PackThere>) -> IfTaken {
     match there {
@@ -42,7 +62,8 @@ pub(crate) fn if_taken(there: Option<&PackThere>) -> IfTaken {
     }
 }
 
-fn begins_as_pack(path: &Path) -> bool {
+/// Whether a file is a pack by its first bytes, whatever its name.
+pub(crate) fn begins_as_pack(path: &Path) -> bool {
     first_bytes(path, MAGIC.len() as u64).is_ok_and(|begin| begin == MAGIC)
 }
 

@@ -1,16 +1,21 @@
 //! Do the commands that README and the help show come out, on small inputs?
 
 use crate::documented::{Shown, of_documents, of_line};
+use crate::gaze_events::yaw;
+use crate::gaze_head::recording;
+use crate::panels::WALL;
 use crate::scene::torus;
 use crate::scenes::{waves, write_clip};
 use crate::support::{Folder, Rgb, command, finish, skipped};
 use crate::view::Display;
+use foveal_core::gaze::head_prediction::saturating::HeadGazePreset;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// What makes commands short: how each begins, and the options that it is given besides.
-const SHORTER: [(&str, &[&str]); 10] = [
+const SHORTER: [(&str, &[&str]); 12] = [
+    ("prepare video sphere", &["--calibrate", "off"]),
     ("prepare video", &["--fast"]),
     ("simulate statue", &["--frames", "1", "--view", "96x54"]),
     ("simulate", &["--frames", "2", "--view", "96x54"]),
@@ -19,14 +24,33 @@ const SHORTER: [(&str, &[&str]); 10] = [
         "evaluate codecs",
         &["--frames", "8", "--codecs", "vp9", "--play", "10"],
     ),
+    (
+        "evaluate grid-sweep",
+        &[
+            "--frames", "8", "--play", "10", "--grids", "2", "--levels", "2",
+        ],
+    ),
     ("score my", &["--frames", "2", "--view", "96x54"]),
     ("bench video", &["--frames", "10", "--renderer", "none"]),
     ("bench scene", &["--only", "bytes", "--renderer", "none"]),
     ("panels warp examples/panels/three", &["--frames", "1"]),
     ("serve", &["--listen", "127.0.0.1:0"]),
 ];
-/// They need another program's window or a tracker that sends; tests of their own run them.
-const ELSEWHERE: [&str; 2] = ["x11:", "udp:5005"];
+/// What runs elsewhere or takes long, and why.
+const ELSEWHERE: [(&str, &str); 12] = [
+    ("clip.foveal", "no such pack is made here"),
+    ("x11:", "another program's window: `panels_live`"),
+    ("udp:5005", "a tracker that sends: `bridge` and `live_gaze`"),
+    ("demo --", "minutes: `demo`"),
+    ("calibrate my.foveal --thorough", "minutes: `calibrated`"),
+    ("evaluate goldens", "`cargo xtask measured --sample`"),
+    ("evaluate targets", "hours"),
+    ("bench perception", "minutes"),
+    ("bench prepare", "minutes"),
+    ("bench score", "minutes"),
+    ("panels bench examples/panels/three", "minutes"),
+    ("panels figures examples/panels/twelve", "another runs here"),
+];
 
 /// The files that the commands name, small.
 fn inputs(folder: &Folder) {
@@ -35,14 +59,53 @@ fn inputs(folder: &Folder) {
     for name in ["statue.obj", "my.obj"] {
         folder.holding(name, torus(24, 12).as_bytes());
     }
-    for (name, code) in [("a", 90), ("b", 120), ("ref", 90), ("test", 120)] {
-        let size = [512, 288];
+    folder.holding("wall.obj", WALL);
+    for (name, seed) in [("first.csv", 1), ("second.csv", 2)] {
+        let law = HeadGazePreset::free_viewing();
+        folder.holding(name, recording(&law, seed).as_bytes());
+    }
+    for (name, text) in [
+        (
+            "gaze.csv",
+            saccades("t_s,yaw_deg,pitch_deg", |ms, yaw| {
+                format!("{},{yaw},0", f64::from(ms) / 1e3)
+            }),
+        ),
+        (
+            "tracker.csv",
+            saccades("time_ms,x,y", |ms, yaw| {
+                format!("{ms},{},540", 960.0 + 30.0 * yaw)
+            }),
+        ),
+        (
+            "labelled.csv",
+            saccades("x_deg,y_deg,valid,event", |ms, yaw| {
+                format!("{yaw},0,1,{}", if ms % 500 < 50 { 2 } else { 1 })
+            }),
+        ),
+    ] {
+        folder.holding(name, text.as_bytes());
+    }
+    for (name, code, size) in [
+        ("a", 90, [512, 288]),
+        ("b", 120, [512, 288]),
+        ("ref", 90, [512, 288]),
+        ("test", 120, [512, 288]),
+        ("sphere", 90, [512, 256]),
+    ] {
         let pixels = (0..size[0] * size[1] * 3).map(|k| ((k * 7) % code) as u8);
         let pixels = pixels.collect();
         Rgb { size, pixels }.write(&folder.name(&format!("{name}.png")));
     }
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
     std::os::unix::fs::symlink(examples, folder.join("examples")).unwrap();
+}
+
+/// A table with a row a millisecond, of eyes that jump every half second.
+fn saccades(header: &str, row: impl Fn(u32, f64) -> String) -> String {
+    let rows = (0..3000).map(|ms| row(ms, yaw(ms)));
+    let lines: Vec<String> = std::iter::once(header.to_owned()).chain(rows).collect();
+    lines.join("\n") + "\n"
 }
 
 /// Runs a command in a folder, in a window or as a server where it is one.
@@ -104,44 +167,57 @@ fn shortened(shown: &Shown) -> Vec<String> {
     words
 }
 
+fn shows_a_run(line: &str) -> bool {
+    !ELSEWHERE.iter().any(|(other, _)| line.contains(other))
+}
+
 #[test]
-fn every_command_that_readme_and_the_help_show_comes_out_on_small_inputs() {
+fn every_command_that_readme_shows_comes_out_on_small_inputs() {
     let folder = Folder::new();
     inputs(&folder);
     let display = Display::start();
-    let help = [
-        "prepare video",
-        "simulate",
-        "replay",
-        "score",
-        "perception importance",
-        "evaluate policies",
-        "evaluate codecs",
-        "bench video",
-        "bench scene",
-        "panels warp",
-    ];
-    let help = help.map(|path| {
-        let words: Vec<&str> = path.split(' ').chain(["--help"]).collect();
-        let ran = finish(command(&words));
-        let example = ran.stdout.split("Example:").nth(1).map(str::to_owned);
-        example.unwrap_or_else(|| panic!("no example in the help of {path}"))
-    });
-    let help = help.iter().flat_map(|text| {
-        let line = text.trim().lines().next().unwrap_or_default();
-        of_line("help", line, true)
-    });
     let mut ran = 0;
-    let readme = of_documents().into_iter();
-    let readme = readme.filter(|shown| shown.place.starts_with("README.md") && shown.is_whole);
-    for shown in readme.chain(help) {
+    let shown = of_documents().into_iter();
+    let shown = shown.filter(|shown| shown.place.starts_with("README.md") && shown.is_whole);
+    for shown in shown {
         let words = shortened(&shown);
-        let words: Vec<&str> = words.iter().map(String::as_str).collect();
-        let line = words.join(" ");
-        if !ELSEWHERE.iter().any(|other| line.contains(other)) && !line.contains("clip.foveal") {
+        if shows_a_run(&words.join(" ")) {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
             run(&folder, display.as_ref(), &words);
             ran += 1;
         }
     }
-    assert!(ran > 18, "{ran} commands");
+    assert!(ran > 8, "{ran} commands");
+}
+
+/// The examples with which the help of the commands ends, two of each, as docs/commands.md has
+/// them.
+fn examples() -> Vec<Shown> {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/commands.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let lists = page.split("\nExamples:\n").skip(1);
+    let lines = lists.flat_map(|list| list.lines().take(2));
+    let mut shown: Vec<Shown> = lines
+        .flat_map(|line| of_line("the help", line, true))
+        .collect();
+    // Packs come before what reads them.
+    shown.sort_by_key(|shown| shown.words[0] != "prepare");
+    shown
+}
+
+#[test]
+fn every_example_of_the_help_comes_out_on_small_inputs() {
+    let folder = Folder::new();
+    inputs(&folder);
+    let display = Display::start();
+    let mut ran = 0;
+    for shown in examples() {
+        let words = shortened(&shown);
+        if shows_a_run(&words.join(" ")) {
+            let words: Vec<&str> = words.iter().map(String::as_str).collect();
+            run(&folder, display.as_ref(), &words);
+            ran += 1;
+        }
+    }
+    assert!(ran > 64, "{ran} examples");
 }

@@ -121,7 +121,7 @@ fn landings_and_filter_are_judged_in_the_fields_that_are_compared() {
 }
 
 /// Yaw in degrees at a millisecond: a saccade of 10 degrees in 50 ms, every half second.
-fn yaw(ms: u32) -> f64 {
+pub(crate) fn yaw(ms: u32) -> f64 {
     let (jump, within) = (ms / 500, f64::from(ms % 500));
     let share = (within / 50.0).min(1.0);
     let way = 10.0 * share * share * (3.0 - 2.0 * share);

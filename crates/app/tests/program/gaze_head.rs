@@ -10,7 +10,7 @@ const HEADER: &str = "gaze_x,gaze_y,head_vel_x,head_vel_y,head_acc_x,head_acc_me
                       head_acc_mean_y,head_vel_std_x,head_vel_std_y\n";
 
 /// Forty seconds of a viewer who follows `law`, with eyes that jump about it every 300 ms.
-fn recording(law: &HeadGazePreset, seed: u64) -> String {
+pub(crate) fn recording(law: &HeadGazePreset, seed: u64) -> String {
     let mut random = Random::new(seed);
     let mut velocity = [0.0; 2];
     let mut aside = [0.0; 2];
@@ -173,12 +173,12 @@ fn what_is_no_recording_or_no_preset_is_refused_by_its_place() {
     );
     let evaluate = ["gaze", "eval", "head", "--data", &good];
     refused(
-        1,
+        2,
         &[&evaluate[..], &["--preset", "reading"]].concat(),
         &["reading", "free-viewing"],
     );
     refused(
-        1,
+        2,
         &[&evaluate[..], &["--leave-one-out"]].concat(),
         &["--leave-one-out", "two"],
     );

@@ -87,6 +87,42 @@ fn rates_of_links_are_read_however_they_are_written() {
 }
 
 #[test]
+fn a_gaze_in_two_words_or_in_pixels_is_answered_with_what_to_write() {
+    let play = ["simulate", "none.foveal", "--out", "never"];
+    for (gaze, words) in [
+        (&["--gaze", "10", "5"][..], &["tip: ", "--gaze 10,5"][..]),
+        (&["--gaze", "10"], &["--gaze", "one number", "10,5"]),
+        (&["--gaze", "200,100"], &["pitch 100", "not pixels"]),
+    ] {
+        refused(2, &[&play[..], gaze].concat(), words);
+    }
+    let folder = Folder::new();
+    let table = folder.holding("tobii.csv", b"time_ms,x,y\n0,1,1\n");
+    let classify = ["gaze", "classify", &table];
+    refused(1, &classify, &["tobii.csv", "t_s", "--gaze-columns"]);
+}
+
+#[test]
+fn a_name_that_says_something_else_than_what_is_there_is_said() {
+    let folder = Folder::new();
+    let film = write_clip(&folder, "my360.mkv", &[numbered_tiles([64, 32], 16, 0)]);
+    let out = folder.name("a.mp4");
+    refused(
+        2,
+        &["prepare", "video", &film, "--out", &out],
+        &["a pack is written", "a.foveal"],
+    );
+    let pack = folder.name("a.foveal");
+    let ran = foveal(&["prepare", "video", &film, "--out", &pack, "--fast"]);
+    let warned = |line: &str| line.starts_with("warning: ") && line.contains("part of its name");
+    assert!(ran.stderr.lines().any(warned), "{ran:?}");
+    // What was said is not said again with the result.
+    assert!(!ran.stdout.contains("treated as flat"), "{ran:?}");
+    std::fs::rename(&pack, &out).unwrap();
+    refused(2, &[&out], &["tip: ", "foveal view"]);
+}
+
+#[test]
 fn a_path_of_windows_is_printed_as_it_stands() {
     let folder = Folder::new();
     folder.holding("m.mtl", b"newmtl a\nmap_Kd C:\\x\\wood.png\n");

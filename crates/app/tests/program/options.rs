@@ -58,8 +58,13 @@ fn options_that_contradict_the_content_or_each_other_are_refused_or_told() {
     }
     let eyes = done(&with(&["--eye", "both"])).stderr;
     assert!(eyes.contains("one picture for both eyes"), "{eyes}");
+    let field = done(&with(&["--fov", "60"])).stderr;
+    assert!(
+        field.contains("--fov changes nothing for flat content"),
+        "{field}"
+    );
     refused(
-        1,
+        2,
         &with(&["--preset", "kastner"]),
         &["--preset is kastner", "kastner-2016"],
     );

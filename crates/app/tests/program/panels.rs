@@ -136,7 +136,7 @@ fn the_schema_is_that_of_the_documents() {
 }
 
 /// A flat wall, 6 wide and 4 high, 3 away.
-const WALL: &[u8] = b"v -3 -2 -3\nv 3 -2 -3\nv 3 2 -3\nv -3 2 -3\nf 1 2 3 4\n";
+pub(crate) const WALL: &[u8] = b"v -3 -2 -3\nv 3 -2 -3\nv 3 2 -3\nv -3 2 -3\nf 1 2 3 4\n";
 
 #[test]
 fn projectors_before_a_wall_become_a_rig_whose_light_is_even() {

@@ -299,7 +299,7 @@ fn what_cannot_be_served_or_exported_is_refused_with_the_next_step() {
     export(
         &[&text],
         &dot,
-        1,
+        2,
         &["not empty", "give a new or an empty one"],
     );
     export(&[&text], &text, 1, &["text.foveal", "no folder"]);

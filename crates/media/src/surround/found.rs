@@ -362,7 +362,7 @@ impl Found<'_> {
         if let Some(camera) = self.info.camera {
             return Err(camera.words(self.two_eyes));
         }
-        let [w, h] = self.eye_size;
+        let h = self.eye_size[1];
         let is = |columns: u64, rows: u64| self.shape[0] * rows == self.shape[1] * columns;
         let mut taken = |what: &str, named: bool| {
             let shape = shape_of(self.shape);
@@ -397,6 +397,22 @@ impl Found<'_> {
             taken("a cube", named);
             return Ok(Surround::Cube(self.cube(remarks)?));
         }
+        self.say_flat(remarks);
+        Ok(Surround::Flat)
+    }
+
+    /// Says that a picture counts as flat, and what to do if it is not.
+    fn say_flat(&self, remarks: &mut Remarks) {
+        let w = self.eye_size[0];
+        let is = |columns: u64, rows: u64| self.shape[0] * rows == self.shape[1] * columns;
+        if is(2, 1) && self.words.may_name_sphere() {
+            remarks.warn(
+                "treated as flat, although its size is 2:1 and 360 is a part of its name; give \
+                 --projection equirect if it is 360°, or flat"
+                    .to_owned(),
+            );
+            return;
+        }
         let hint = match () {
             () if self.words.names_sphere() => {
                 ": its name says 360°, whose size is 2:1 an eye; give --projection equirect if it \
@@ -412,7 +428,6 @@ impl Found<'_> {
             () => "",
         };
         remarks.note(format!("treated as flat, judging by its size{hint}"));
-        Ok(Surround::Flat)
     }
 
     /// Whether an eye's picture has the shape of a whole sphere, and something else speaks for one:

@@ -78,6 +78,21 @@ impl NameWords {
         self.words.iter().any(is) || names_a_full_turn(&self.name)
     }
 
+    /// Whether 360 stands in the name right after a letter, as in `my360`, which may mean degrees.
+    pub(super) fn may_name_sphere(&self) -> bool {
+        self.name.match_indices("360").any(|(at, _)| {
+            let mut before = self.name[..at].chars().rev();
+            let after = self.name[at + 3..].chars().next();
+            let is_size = |c: char| c.is_ascii_digit() || c == 'p' || c == 'x';
+            match before.next() {
+                // A size, as 640x360.
+                Some('x') if before.next().is_some_and(|c| c.is_ascii_digit()) => false,
+                Some(c) => c.is_alphabetic() && !after.is_some_and(is_size),
+                None => false,
+            }
+        })
+    }
+
     /// Whether the name says that it is the faces of a cube.
     pub(super) fn names_cube(&self) -> bool {
         let is_cube = |word: &String| {
@@ -127,6 +142,23 @@ mod tests {
             "a.mp4",
         ] {
             assert!(!names_a_full_turn(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_full_turn_may_stand_right_after_a_letter() {
+        let may = |name: &str| NameWords::of(Path::new(name)).may_name_sphere();
+        for name in ["my360.jpg", "IMG360_1.png", "tour360a.mp4"] {
+            assert!(may(name), "{name}");
+        }
+        for name in [
+            "a640x360.jpg",
+            "a_360.jpg",
+            "b360p.mp4",
+            "13600.mp4",
+            "a.mp4",
+        ] {
+            assert!(!may(name), "{name}");
         }
     }
 

@@ -13,16 +13,16 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Bench {
-    /// Weighing the steps of a decision: 1920x1080, five levels, against Fourier transforms.
+    /// Time how steps are weighed, at 1920x1080 and five levels, against Fourier transforms.
     Perception(perception::PerceptionBenchArgs),
-    /// Playing a pack foveated, against `viewport`, `full` and the original file.
+    /// Time a pack played foveated, against `viewport`, `full` and the original file.
     Video(video::VideoArgs),
-    /// Preparing video at every speed: source pixels a second, and bytes at equal quality.
+    /// Time how video is prepared: source pixels a second, and bytes at equal quality.
     Prepare(prepare::PrepareBenchArgs),
-    /// Scoring foveated video of 1920x1080 at 30 frames a second, against the clear text of the
-    /// same equations.
+    /// Time how foveated video of 1920x1080 at 30 frames a second is scored, against the clear
+    /// text of the same equations.
     Score(score::ScoreBenchArgs),
-    /// A scene's bytes, building, decoding, choosing, drawing and memory, each against a baseline.
+    /// Measure a scene's bytes, speed and memory, each against a baseline.
     Scene(scene::SceneBenchArgs),
 }
 

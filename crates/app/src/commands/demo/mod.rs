@@ -16,7 +16,7 @@ mod video;
 use crate::commands::prepare::CalibrateName;
 use crate::options::policy::ViewOptions;
 use crate::options::renderer::{RendererName, open_device};
-use crate::report::output;
+use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use clap::Args;
 use machine::Machine;
@@ -95,7 +95,9 @@ struct Shown {
 
 pub(crate) fn run(args: &DemoArgs) -> anyhow::Result<()> {
     if args.renderer == RendererName::None {
-        bail!("--renderer none draws no pictures for the report; give gpu or cpu");
+        bail!(WrongUsage(
+            "--renderer none draws no pictures for the report; give gpu or cpu".to_owned()
+        ));
     }
     let subjects = subjects(&args.input, args.clip.as_deref(), &args.out)?;
     subjects.iter().try_for_each(DemoSubject::check)?;

@@ -11,16 +11,17 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Evaluate {
-    /// A video under several codecs: time and bytes to prepare, speed to play.
+    /// Compare codecs on a video: time and bytes to prepare, and speed to play.
     Codecs(codecs::CodecsArgs),
-    /// A video cut into grids of 2x2 to 16x16 with 2 to 6 levels: pixels, speed, late frames.
+    /// Compare grids of 2x2 to 16x16 tiles with 2 to 6 levels: pixels, speed, late frames.
     GridSweep(grid_sweep::GridSweepArgs),
-    /// The score on pictures that come from formulas, against the published package's.
+    /// Compare scores of pictures made from formulas with those of the published package.
     Goldens(goldens::GoldensArgs),
-    /// What --target asks for against what the judge finds, on generated scenes: the fit of the
-    /// table that levels are chosen by, and how it holds elsewhere.
+    /// Compare the scores that --target asks for with those that are reached.
+    ///
+    /// This fits the table by which levels are chosen on generated scenes, and checks it elsewhere.
     Targets(targets::TargetsArgs),
-    /// All policies on one pack over one gaze: pixels, bytes and time of each, and its score.
+    /// Compare all policies on one pack: pixels, bytes, time and score of each.
     Policies(Box<policies::PoliciesArgs>),
 }
 

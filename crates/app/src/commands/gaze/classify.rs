@@ -7,7 +7,7 @@ use crate::gaze_source::{
 use crate::report::output::{self, open_file};
 use anyhow::Context;
 use clap::Args;
-use foveal_core::gaze::saccade::SaccadeDetector;
+use foveal_core::gaze::saccade::{SaccadeConfig, SaccadeDetector};
 use foveal_core::gaze::sample::{EyeEvent, GazeSample};
 use foveal_core::units::{Seconds, counted};
 use foveal_eval::gaze::labelled::LabelScreen;
@@ -57,6 +57,7 @@ pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
     };
     let mut counts = Counts::default();
     let mut table = "t_s,event\n".to_owned();
+    tell_too_fast(&args.trace, &trials);
     for samples in &trials {
         let mut detector = SaccadeDetector::default();
         let mut jumping = false;
@@ -77,6 +78,27 @@ pub(crate) fn run(args: &ClassifyArgs) -> anyhow::Result<()> {
         output::write_out(out, table.as_bytes())?;
     }
     output::result(args.json, &counts, &text(&counts))
+}
+
+/// Says where the gaze jumps faster than an eye can: that is no saccade, but a tracker that has
+/// lost the pupil, or a made trace.
+fn tell_too_fast(trace: &Path, trials: &[Vec<GazeSample>]) {
+    let fastest = SaccadeConfig::default().fastest;
+    let jumps = |pair: &&[GazeSample]| {
+        let [from, to] = [0, 1].map(|k| pair[k].gaze_in_content);
+        let seconds = pair[1].time.0 - pair[0].time.0;
+        let both = pair[0].valid && pair[1].valid;
+        both && from.angle_between(to).to_degrees() > fastest * seconds
+    };
+    let pairs = trials.iter().flat_map(|samples| samples.windows(2));
+    let count = pairs.filter(jumps).count() as u64;
+    if count > 0 {
+        output::say(&format!(
+            "{}: {} faster than {fastest}°/s, which no eye makes; what follows counts as blink",
+            trace.display(),
+            counted(count, "jump"),
+        ));
+    }
 }
 
 impl Counts {

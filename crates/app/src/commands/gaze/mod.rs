@@ -13,35 +13,35 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum GazeCommand {
-    /// How true predictors and detectors are, against recordings.
+    /// Compare predictors and detectors with recordings.
     #[command(subcommand)]
     Eval(Eval),
-    /// Make a preset from recordings.
+    /// Fit a preset to recordings.
     #[command(subcommand)]
     Fit(Fit),
     /// Label every sample of a trace: fixation, saccade, blink or lost.
     Classify(classify::ClassifyArgs),
-    /// Write what a source delivers to a trace.
+    /// Record a source of gaze as a trace.
     Record(record::RecordArgs),
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Eval {
-    /// Gaze from head motion: ours and the published models.
+    /// Predict gaze from head motion, by our model and the published ones.
     Head(eval_head::EvalHeadArgs),
-    /// A late gaze: the last one, the head's, and their blend.
+    /// Predict a late gaze from the last one, from the head, and from both.
     Delay(eval_delay::EvalDelayArgs),
-    /// Saccades found, against those that people labelled.
+    /// Compare detected saccades with those that people labelled.
     Saccade(eval_events::EventArgs),
-    /// Predicted landings of saccades, against where they landed.
+    /// Compare predicted landings of saccades with where they landed.
     Landing(eval_events::EventArgs),
-    /// The 1 € filter: is it the published one, and how late does it make saccades.
+    /// Check the 1 € filter against the published one, and measure how late it makes saccades.
     Filter(eval_events::EventArgs),
 }
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Fit {
-    /// How gaze follows the head.
+    /// Fit how gaze follows the head.
     Head(fit::FitHeadArgs),
 }
 

@@ -72,7 +72,9 @@ impl PresetOptions {
             return Ok(vec![fit; recordings.len()]);
         }
         if recordings.len() < 2 {
-            bail!("--leave-one-out needs two recordings; give more files to --data");
+            bail!(WrongUsage(
+                "--leave-one-out needs two recordings; give more files to --data".to_owned()
+            ));
         }
         Ok(leave_one_out(recordings))
     }

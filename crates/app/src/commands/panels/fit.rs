@@ -162,7 +162,11 @@ impl FitReport {
                 writeln!(text, "azimuth {left:.2}° left, {right:.2}° right; {rows}")
             }
         };
-        let _ = writeln!(text, "{:.1} % of it is seen", self.seen_share * 100.0);
+        let _ = writeln!(
+            text,
+            "the panels show {:.1} % of the source",
+            self.seen_share * 100.0
+        );
         if self.map_error_px > 0.0 {
             let _ = writeln!(
                 text,

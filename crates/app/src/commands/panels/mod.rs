@@ -16,21 +16,21 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Panels {
-    /// Where the source lies, and how many of its pixels are needed.
+    /// Show where the source lies and how many of its pixels the panels need.
     Fit(fit::FitArgs),
-    /// Where pixels of panels land in the source.
+    /// Show where pixels of panels land in the source.
     Map(map::MapArgs),
     /// Turn another program's file into a rig file.
     Import(import::ImportArgs),
     /// Fill all panels from one source.
     Warp(warp::args::WarpArgs),
-    /// What it costs to fill any number of panels.
+    /// Measure what it costs to fill any number of panels.
     Bench(bench::PanelsBenchArgs),
-    /// Drawings of panels, their source and what pixels take of it.
+    /// Draw the panels, their source and what pixels take of it.
     Figures(figures::FiguresArgs),
-    /// Pictures to line up panels by.
+    /// Write a picture to line up panels by.
     Pattern(pattern::PatternArgs),
-    /// The JSON Schema of rig files.
+    /// Print the JSON Schema of rig files.
     Schema(schema::SchemaArgs),
 }
 

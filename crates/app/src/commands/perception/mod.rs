@@ -10,11 +10,11 @@ use clap::Subcommand;
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Perception {
-    /// What the eye resolves, and how little contrast it sees.
+    /// Show what the eye resolves, and how little contrast it sees.
     Table(table::TableArgs),
-    /// A picture's contrast, one picture a frequency band.
+    /// Show a picture's contrast, as one picture for each frequency band.
     Bands(bands::BandsArgs),
-    /// What going from one picture to another is worth, as heat maps.
+    /// Show what going from one picture to another is worth, as heat maps.
     Importance(importance::ImportanceArgs),
 }
 

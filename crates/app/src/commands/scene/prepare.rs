@@ -3,7 +3,7 @@
 use crate::commands::scene::scene_info::SceneInfo;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use crate::run::other_input::{no_scene, refuse_pack};
-use crate::run::pack_place::{if_taken, pack_at};
+use crate::run::pack_place::{if_taken, pack_at, refuse_name_of_another};
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use foveal_core::content::scene::description::{GRID_BITS, KIND, SceneDescription, SceneSource};
@@ -111,6 +111,7 @@ pub(crate) fn run(args: &PrepareSceneArgs) -> anyhow::Result<()> {
         .ok_or_else(|| WrongUsage("--out PACK is missing: where should the pack go?".to_owned()))?;
     args.refuse_to_overwrite_inputs(out)?;
     let there = pack_at(out)?;
+    refuse_name_of_another(out)?;
     // Before the work: a second preparation is refused at once.
     let claim = match there.is_none() || args.force {
         true => Some(NameClaim::of(out, if_taken(there.as_ref()))?),

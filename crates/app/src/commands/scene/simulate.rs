@@ -424,7 +424,8 @@ impl SceneSummary {
         if let (Some(fovea), Some(all)) = (self.error_fovea, self.error_all) {
             let _ = writeln!(
                 text,
-                "off full detail by {:.2} % in the fovea and {:.2} % over the picture at the end",
+                "luminance differs from full detail at the end by {:.2} % in the fovea and by \
+                 {:.2} % in the whole picture (root mean square)",
                 100.0 * fovea,
                 100.0 * all
             );
@@ -445,6 +446,8 @@ impl SceneSummary {
         }
         if let Some(score) = &self.score {
             text += &score.text();
+            text += "no target: the score of a scene is not known while levels are chosen, so \
+                     --target does not apply\n";
         }
         if let Some(panels) = &self.panels {
             text += &PlayedPanel::text(panels);

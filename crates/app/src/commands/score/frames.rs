@@ -4,6 +4,7 @@ use crate::commands::score::folder::numbered_pictures;
 use crate::commands::score::pack_frames::{Opening, PackFrames};
 use crate::commands::score::picture::{check_source, from_image, is_png, read_picture};
 use crate::report::output;
+use crate::run::pack_place::begins_as_pack;
 use anyhow::bail;
 use foveal_eval::score::{Display, ScorePicture};
 use foveal_media::VideoInput;
@@ -38,9 +39,9 @@ enum Source {
     Pack(Box<PackFrames>),
 }
 
-/// Whether a file is a pack, by its name.
+/// Whether a file is a pack, by its name or its first bytes.
 pub(crate) fn is_pack(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "foveal")
+    path.extension().is_some_and(|ending| ending == "foveal") || begins_as_pack(path)
 }
 
 impl Frames {

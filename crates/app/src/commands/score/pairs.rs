@@ -5,6 +5,7 @@
 
 use crate::commands::score::args::ScoreArgs;
 use crate::commands::score::conditions::{GazeWords, display_of};
+use crate::commands::score::frames::is_pack;
 use crate::report::output::{self, out_of_range, told};
 use anyhow::{Context, bail};
 use csv::StringRecord;
@@ -164,10 +165,9 @@ impl Table {
 
     /// Whether every row needs a display, and none says which; packs bring their own.
     fn no_row_names_a_display(&self) -> bool {
-        let is_pack = |file: PathBuf| file.extension().is_some_and(|ending| ending == "foveal");
         self.rows.iter().all(|row| {
             let reference = self.file(row, FILES[0]);
-            self.cell(row, "display").is_none() && !reference.is_some_and(is_pack)
+            self.cell(row, "display").is_none() && !reference.is_some_and(|file| is_pack(&file))
         })
     }
 

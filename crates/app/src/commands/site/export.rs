@@ -5,7 +5,7 @@ use crate::commands::site::listing::{GENERATOR, Listed, Listing};
 use crate::commands::site::pack_names::names_of;
 use crate::commands::site::site_pack::growth;
 use crate::commands::site::{About, LISTING, Site, SiteFile, open_packs};
-use crate::report::output::{self, Counting};
+use crate::report::output::{self, Counting, WrongUsage};
 use anyhow::{Context, bail};
 use clap::{Args, Subcommand};
 use foveal_core::units::counted;
@@ -22,7 +22,7 @@ const MOST_LISTING: u64 = 16 << 20;
 /// What can be exported.
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum Export {
-    /// A folder of pages and packs that any web host can serve.
+    /// Write a folder of pages and packs that any web host can serve.
     Site(SiteArgs),
 }
 
@@ -133,7 +133,9 @@ fn refuse_foreign_folder(out: &Path) -> anyhow::Result<()> {
     if entries.next().is_none() || is_site(out) {
         return Ok(());
     }
-    bail!("--out {name}: the folder is not empty and holds no site; give a new or an empty one");
+    bail!(WrongUsage(format!(
+        "--out {name}: the folder is not empty and holds no site; give a new or an empty one"
+    )));
 }
 
 /// Whether an earlier export made this folder, or began to.

@@ -50,8 +50,9 @@ pub(crate) struct ViewArgs {
     /// panels there are.
     #[arg(long, value_enum, default_value = "left")]
     pub(super) eye: EyeName,
-    /// RATE[,DELAY] between the pack and the viewer, as 4g,30ms or 8mbit: what uniform,
-    /// eccentricity and perceptual may spend (default: no limit).
+    /// The link between pack and viewer, as RATE or RATE,DELAY: 8mbit or 8mbit,30ms, or 3g, 4g, 5g
+    /// (2, 40, 67 mbit a second). It limits what uniform, eccentricity and perceptual fetch
+    /// (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(super) link: Option<Link>,
     /// Scenes: what units may take on the GPU, as 32MB or 1GB.

@@ -52,7 +52,10 @@ fn how_to_read(seed: u64) -> String {
          is what is usual today. <code>auto</code> is the rule that takes fewer pixels of this \
          content for an expected score of 9.5 against <code>full</code>, by the calibration of its \
          pack. All three also hold the whole coarsest level, so that nothing is ever \
-         missing.</p>\n\
+         missing: with it, <code>full</code> is a little more than 100&#8239;% of the pixels.</p>\n\
+         <p>To save time the demo prepares films at one quality, and their first 64 frames alone. \
+         <code>foveal prepare video</code> looks for the coarsest quality that the eye hardly \
+         sees, so its packs differ in size from these.</p>\n\
          <p>Scores are those of FovVideoVDP 1.2 in just-objectionable differences (JOD), in the \
          view of the part and for the true gaze. 10 is no difference; at 9.5 about 63 of 100 \
          people guess right which of the two is which, at 9 about 75. Of a film the first frames \

@@ -13,11 +13,16 @@ use foveal_core::units::counted;
 
 /// What `auto` takes for a frame, over what the baselines take.
 pub(crate) fn pixels_card(played: &Played) -> Card {
-    let share = played.runs[FOVEATED].summary.pixels_share_mean;
+    let [of_full, of_viewport] = [FULL, VIEWPORT]
+        .map(|baseline| percent(ratio(&played.runs, Cost::Pixels, FOVEATED, baseline)));
+    let note = match of_full == of_viewport {
+        true => "of full and of viewport".to_owned(),
+        false => format!("of full; {of_viewport} of viewport"),
+    };
     Card {
         name: "Pixels a frame",
-        value: percent(share),
-        notes: vec![of_baselines(played, Cost::Pixels)],
+        value: of_full,
+        notes: vec![note],
     }
 }
 
@@ -62,7 +67,7 @@ pub(crate) fn score_card(played: &Played) -> Card {
                 counted(played.judged, "frame")
             ),
             format!(
-                "{} against the source ({} of full)",
+                "{} against the source, where full reaches {}",
                 jod(own.source_score.as_ref()),
                 jod(full.source_score.as_ref())
             ),
@@ -70,9 +75,18 @@ pub(crate) fn score_card(played: &Played) -> Card {
     }
 }
 
+/// What `auto` takes over what the baselines take; what is more is said as such.
 fn of_baselines(played: &Played, cost: Cost) -> String {
-    let of = |baseline| percent(ratio(&played.runs, cost, FOVEATED, baseline));
-    format!("{} of full, {} of viewport", of(FULL), of(VIEWPORT))
+    let [full, viewport] =
+        [FULL, VIEWPORT].map(|baseline| ratio(&played.runs, cost, FOVEATED, baseline));
+    let of = |share: f64, name: &str| match share > 1.0005 {
+        true => format!("{} more than {name}", percent(share - 1.0)),
+        false => format!("{} of {name}", percent(share)),
+    };
+    match percent(full) == percent(viewport) {
+        true => of(full, "full and viewport"),
+        false => format!("{}, {}", of(full, "full"), of(viewport, "viewport")),
+    }
 }
 
 /// A share in percent, with one decimal or two digits.

@@ -1,6 +1,6 @@
 //! What video does the demo play, and what of it is left from an earlier run?
 
-use crate::report::output;
+use crate::report::output::{self, WrongUsage};
 use crate::run::calibrate::CalibrationExtent;
 use crate::run::kept_pack::{calibrate_in_place, kept, plan_of, write_pack};
 use crate::run::scene_clip::{write_scene, write_still};
@@ -99,10 +99,10 @@ impl VideoContent {
         if let (Ok(a), Ok(b)) = (input.canonicalize(), self.source.canonicalize())
             && a == b
         {
-            bail!(
+            bail!(WrongUsage(format!(
                 "--clip {}: the demo itself writes this file; leave the option out",
                 input.display()
-            );
+            )));
         }
         Ok(())
     }

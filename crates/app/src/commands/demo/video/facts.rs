@@ -68,7 +68,10 @@ fn pack(content: &Prepared) -> String {
     // Of pictures `prepare` takes the same quantisers.
     let quality = match about.is_still() {
         true => "",
-        false => ", all of one quality to save time (`foveal prepare` looks for one by content)",
+        false => {
+            ", all of one quality to save time (foveal prepare looks for one by content, so its \
+             packs differ in size)"
+        }
     };
     format!(
         "Pack: {}, {}, {cut}, {}, {} from {}{quality}; {took}.",

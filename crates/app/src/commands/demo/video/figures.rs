@@ -108,7 +108,7 @@ pub(crate) fn rows(runs: &[PolicyRun], is_still: bool) -> Vec<FigureRow> {
             opens_group: false,
         }
     };
-    let percent = |share: f64| format!("{:.2}", share * 100.0);
+    let percent = |share: f64| format!("{:.1}", share * 100.0);
     let mut rows = vec![
         row("Pixels a frame, mean", "%", &|it| {
             percent(it.summary.pixels_share_mean)

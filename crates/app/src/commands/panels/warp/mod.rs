@@ -10,8 +10,8 @@ mod window;
 
 use crate::commands::panels::comparing::{PanelJudge, PanelScore};
 use crate::gaze_source::interrupted;
-use crate::report::output;
 use crate::report::output::say_replaced;
+use crate::report::output::{self, Counting};
 use crate::report::picture_file::write_png;
 use crate::run::run_folder::{clear_pictures, other_pictures};
 use anyhow::Context;
@@ -22,6 +22,7 @@ use foveal_core::units::counted;
 use foveal_core::view::panel::rig::{Panel, Rig};
 use foveal_media::generate::FRAMES_PER_SECOND;
 use foveal_render::RgbaImage;
+use indicatif::ProgressBar;
 use laid::Laid;
 use sent::{SentLayout, as_seen};
 use serde::Serialize;
@@ -139,6 +140,7 @@ fn to_files(
     let most = args.frames.unwrap_or(if is_world { 1 } else { u32::MAX });
     let stopped = stopped(source)?;
     let mut judges = judges(args, panels, several && source.moves())?;
+    let bar = bar_of(source, several.then_some(most));
     let mut frames = 0;
     while frames < most && !stopped.load(Ordering::Relaxed) {
         let Some(frame) = source.frame(frames, &filled.laid.parts)? else {
@@ -154,8 +156,7 @@ fn to_files(
             tell_older(out, several, &names_of(&layout, &atlas, panels))?;
         }
         write_surfaces(&layout, &atlas, &file)?;
-        let bare = filled.bare.as_ref();
-        let bare = bare.map(|it| it.fill(&frame.picture)).transpose()?;
+        let bare = filled.fill_bare(&frame.picture)?;
         for (k, panel) in panels.iter().enumerate() {
             let seen = as_seen(panel, &atlas, layout.origins[k]);
             write_picture(&file(&panel.id), &seen)?;
@@ -166,10 +167,11 @@ fn to_files(
             let placement = &filled.laid.of(panel).placement;
             let direct = opaque(&world.on_panel(u64::from(frames), panel, placement));
             judge.frame(&direct, &seen)?;
-            let sheet = file(&format!("compare/{}", panel.id));
-            write_picture(&sheet, &seen.beside(&direct))?;
+            let name = format!("compare/{}", panel.id);
+            write_picture(&file(&name), &seen.beside(&direct))?;
         }
         frames += 1;
+        bar.inc(1);
     }
     Ok(WarpRun {
         frames,
@@ -177,6 +179,23 @@ fn to_files(
         laid: filled.laid,
         judges,
     })
+}
+
+impl Filled {
+    /// What the panels show of a picture without what dims them, where that is compared.
+    fn fill_bare(&self, picture: &RgbaImage) -> anyhow::Result<Option<RgbaImage>> {
+        let bare = self.bare.as_ref();
+        bare.map(|it| it.fill(picture)).transpose()
+    }
+}
+
+/// A progress bar where there are several pictures, at most so many; it goes when it is dropped.
+fn bar_of(source: &PanelSource, several: Option<u32>) -> ProgressBar {
+    let Some(most) = several else {
+        return ProgressBar::hidden();
+    };
+    let length = source.length().map(|length| length.min(u64::from(most)));
+    output::bar(length, Counting::Frames)
 }
 
 /// Where the picture of that name lies: that of a frame, where there are several.

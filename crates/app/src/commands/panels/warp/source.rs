@@ -6,11 +6,12 @@ use anyhow::{Context, bail};
 use foveal_core::view::panel::placement::Placement;
 use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::Eye;
-use foveal_media::VideoInput;
 use foveal_media::capture::Capture;
 use foveal_media::capture::source::{CapturedPicture, LiveSource};
 use foveal_media::generate::FRAMES_PER_SECOND;
 use foveal_media::generate::placed::{DrawnRgb, GeneratedWorld};
+use foveal_media::prepare::{PreparationPlan, PrepareSettings};
+use foveal_media::{SourceInfo, VideoInput};
 use foveal_render::RgbaImage;
 use std::path::Path;
 use std::time::Duration;
@@ -80,6 +81,7 @@ impl PanelSource {
         }
         let mut input = VideoInput::open(path)?;
         check_source(path, input.info())?;
+        tell_round(path, input.info());
         let is_still = input.info().looks_still;
         let colour = input.info().colour;
         let first = next_picture(&mut input, colour)?;
@@ -97,6 +99,14 @@ impl PanelSource {
             Self::Video(video) => Some(video.1.size),
             Self::Live(live) => Some(live.size),
             Self::World(_) => None,
+        }
+    }
+
+    /// Number of its pictures, as far as its file says.
+    pub(super) fn length(&self) -> Option<u64> {
+        match self {
+            Self::Video(video) => video.0.info().frames,
+            _ => None,
         }
     }
 
@@ -226,6 +236,19 @@ fn image(picture: CapturedPicture) -> RgbaImage {
     RgbaImage {
         size: picture.size,
         pixels: picture.rgba,
+    }
+}
+
+/// Says how what lies all round the viewer is shown so: here every source lies before the panels.
+fn tell_round(path: &Path, info: &SourceInfo) {
+    let plan = PreparationPlan::new(path, info, &PrepareSettings::default());
+    if plan.is_ok_and(|plan| plan.description.projection.surrounds()) {
+        let name = path.display();
+        say(&format!(
+            "warning: {name}: looks like 360°, and is laid before the panels as if it were flat; \
+             to surround the viewer with it, run `foveal prepare video {name} --out PACK`, then \
+             `foveal simulate PACK --panels RIG --out DIR` or `foveal view PACK --panels RIG`"
+        ));
     }
 }
 
