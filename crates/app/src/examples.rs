@@ -305,7 +305,9 @@ pub(crate) fn attached(program: clap::Command) -> clap::Command {
 
 fn attached_at(command: clap::Command, path: &[&str], lines: &[&str; 2]) -> clap::Command {
     let Some((name, rest)) = path.split_first() else {
-        let before = command.get_after_help().map(|text| format!("{text}\n\n"));
+        let before = command
+            .get_after_help()
+            .map(|text| format!("{}\n\n", text.to_string().trim_end()));
         let before = before.unwrap_or_default();
         let [first, second] = lines;
         return command.after_help(format!("{before}Examples:\n  {first}\n  {second}"));

@@ -394,7 +394,7 @@ fn a_panorama_of_the_preset_plays_by_the_grid_and_a_scene_refuses_it() {
     let simulate = [&["simulate", &scene, "--out", &out], &preset[..]].concat();
     refused(2, &simulate, &["kastner-2016", "scene"]);
     refused(
-        1,
+        2,
         &["view", &pack, "--preset", "kastner"],
         &["kastner-2016", "free-viewing"],
     );

@@ -260,7 +260,7 @@ fn what_a_rule_chooses_takes_no_link() {
         "--preset",
         "reading",
     ];
-    refused(1, &run, &["--preset", "reading"]);
+    refused(2, &run, &["--preset", "reading"]);
     assert!(!Path::new(&out).exists());
 }
 
