@@ -5,7 +5,9 @@
 
 use std::io::Cursor;
 
+use foveal_media::read::still::exr::head::ExrHead;
 use foveal_media::read::still::float_map::read_any_float_map;
+use foveal_media::read::still::qoi::why_not_whole;
 use foveal_media::read::still::radiance::read_any_radiance;
 use foveal_media::read::still::still_tags::StillTags;
 use foveal_media::read::still::tiff_head::TiffHead;
@@ -15,6 +17,8 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|data: &[u8]| {
     let _ = read_any_radiance(data);
     let _ = read_any_float_map(data);
+    let _ = ExrHead::read_any(data);
+    let _ = why_not_whole(&mut Cursor::new(data));
     let _ = TiffHead::read(&mut Cursor::new(data));
     let said = StillTags::read(&mut Cursor::new(data)).photo_sphere;
     let alone = PhotoSphere::of_xmp(data).ok().flatten();

@@ -8,6 +8,9 @@ use std::fs::File;
 use std::io::{Error, ErrorKind, Result};
 use std::path::{Component, Path, PathBuf};
 
+/// Most names of a folder that are looked at.
+const MOST_NAMES: usize = 1 << 16;
+
 /// A folder and what lies beneath it.
 #[derive(Debug)]
 pub struct Beneath {
@@ -80,6 +83,29 @@ impl Beneath {
             #[cfg(target_os = "linux")]
             handle: self.handle.try_clone()?,
         })
+    }
+
+    /// The name of what lies there under a relative name that differs in capitals alone, if there
+    /// is something.
+    #[must_use]
+    pub fn in_other_capitals(&self, name: &Path) -> Option<PathBuf> {
+        let mut found = PathBuf::new();
+        for part in name.components() {
+            let Component::Normal(part) = part else {
+                return None;
+            };
+            let wanted = part.to_str()?.to_lowercase();
+            let inner = self.inner(&found).ok()?;
+            // What is listed may be another folder by then; what is opened is not.
+            let listed = std::fs::read_dir(inner.path_of(Path::new(""))).ok()?;
+            let names = listed.take(MOST_NAMES).flatten().map(|it| it.file_name());
+            let is_alike = |it: &String| it.to_lowercase() == wanted;
+            let alike = names
+                .filter_map(|it| it.into_string().ok())
+                .filter(is_alike);
+            found.push(alike.min()?);
+        }
+        (found != *name).then_some(found)
     }
 
     /// Where something lies, for messages.

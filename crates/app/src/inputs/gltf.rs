@@ -59,9 +59,19 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "one colour, `repairs.textures_without_coordinates`",
         },
         Finding {
-            found: "`alphaMode` BLEND, or MASK without a picture",
+            found: "`alphaMode` BLEND",
             outcome: Remarked,
-            told: "opaque, `repairs.drawn_opaque`; the mask of a picture is cut out",
+            told: "opaque, `repairs.drawn_opaque`; the mask of a picture (MASK) is cut out",
+        },
+        Finding {
+            found: "a factor of alpha of 0 with BLEND, or below `alphaCutoff` with MASK",
+            outcome: Mended,
+            told: "not drawn, `repairs.triangles_hidden`, unless nothing else is there",
+        },
+        Finding {
+            found: "a node with a matrix and also a translation, rotation or scale",
+            outcome: Mended,
+            told: "the matrix counts, `repairs.nodes_placed_twice`",
         },
         Finding {
             found: "`CESIUM_RTC`",

@@ -115,6 +115,18 @@ pub(super) const FORMATS: &[Format] = &[
                 told: "opaque, `drawn_opaque`",
             },
             Finding {
+                found: "`d 0` or `Tr 1`; `d` and `Tr` that differ",
+                outcome: Mended,
+                told: "not drawn, `triangles_hidden`, unless nothing else is there; `d` counts, \
+                       `opacities_said_twice`",
+            },
+            Finding {
+                found: "a face with fewer than three corners, as at the end of a cut file; in any \
+                        format",
+                outcome: Mended,
+                told: "left out, `faces_under_three_corners`",
+            },
+            Finding {
                 found: "a picture on faces without texture coordinates",
                 outcome: Remarked,
                 told: "one colour, `textures_without_coordinates`",
@@ -191,7 +203,7 @@ pub(super) const FORMATS: &[Format] = &[
             Finding {
                 found: "lines, curves, free-form surfaces",
                 outcome: Remarked,
-                told: "left out, `lines_left_out`",
+                told: "left out, `lines_left_out`, `curves_left_out`",
             },
             Finding {
                 found: "lines alone, or triangles without any area",
@@ -224,6 +236,12 @@ const PLY: &[Finding] = &[
                 1",
         outcome: Mended,
         told: "as meant, `corners_of_another_name`, `faces_from_one`",
+    },
+    Finding {
+        found: "numbers in the other order of bytes than the header says, so that no coordinate \
+                can be meant; of clouds too",
+        outcome: Mended,
+        told: "in that order, `byte_orders_mended`",
     },
     Finding {
         found: "materials with `material_index`",

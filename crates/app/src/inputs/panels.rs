@@ -37,10 +37,11 @@ pub(super) const FORMATS: &[Format] = &[
                 "the only file of that name",
             ),
             found(
-                "UTF-16, Latin-1, a type of document, decimal commas",
+                "UTF-16, Latin-1, a type of document",
                 Read,
                 "as it was meant",
             ),
+            found("decimal commas", Remarked, "read as points"),
             found(
                 "a UTF-8 byte order mark, empty lines before the declaration, an `&` that begins \
                  no entity, control characters, Latin-1 that claims to be UTF-8",
@@ -116,7 +117,22 @@ pub(super) const FORMATS: &[Format] = &[
             ),
             found(
                 "a geometryWarpFile that is missing or cut, or whose places are pixels of another \
-                 size; any file that leads out or is too long",
+                 size",
+                Remarked,
+                "its panel is left out; without another panel it is refused",
+            ),
+            found(
+                "a document that breaks off",
+                Remarked,
+                "what stands before that, with the line",
+            ),
+            found(
+                "files next to a bare document whose names differ in capitals",
+                Remarked,
+                "these files",
+            ),
+            found(
+                "any file that leads out or is too long",
                 Refused,
                 "by line and name",
             ),

@@ -5,9 +5,9 @@ use super::format::{Finding, Format};
 
 pub(super) const FORMATS: &[Format] = &[Format {
     name: "Still pictures",
-    read: "Whatever the FFmpeg in the program decodes; AVIF; Radiance (`.hdr`); TIFF in tiles, of \
-           floating-point samples, compressed by JPEG, and BigTIFF; and animations, which are \
-           films.",
+    read: "Whatever the FFmpeg in the program decodes; AVIF; Radiance (`.hdr`); OpenEXR; TIFF in \
+           tiles, of floating-point samples, compressed by JPEG, and BigTIFF; and animations, \
+           which are films.",
     rows: &[
         Finding {
             found: "orientation in EXIF; `irot` and `imir` of AVIF",
@@ -69,6 +69,38 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "whole, `repairs.broken_tags`",
         },
         Finding {
+            found: "OpenEXR with named layers (`ViewLayer.Combined.R`), or of several parts",
+            outcome: Remarked,
+            told: "the layer with the whole picture, by its name; channels without a layer come \
+                   first",
+        },
+        Finding {
+            found: "OpenEXR of luminance and chroma (Y, RY, BY)",
+            outcome: Read,
+            told: "in colour; refused where chroma has fewer samples",
+        },
+        Finding {
+            found: "Radiance in X, Y and Z of CIE; a JPEG without its end mark",
+            outcome: Read,
+            told: "as meant",
+        },
+        Finding {
+            found: "pixels of a PNG beyond its palette; a WebP whose canvas is not its picture's \
+                    size",
+            outcome: Mended,
+            told: "black; the picture alone: `repairs.broken_tags`",
+        },
+        Finding {
+            found: "a GIF whose pictures leave places free",
+            outcome: Read,
+            told: "clear there, as in browsers",
+        },
+        Finding {
+            found: "a TIFF whose first page is a smaller one of another",
+            outcome: Remarked,
+            told: "the other; of raw files of cameras the small one",
+        },
+        Finding {
             found: "several pages of a TIFF, pictures of an icon (`.ico`)",
             outcome: Remarked,
             told: "the first page, the largest picture",
@@ -90,6 +122,12 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "by their kind",
         },
         Finding {
+            found: "a GIF without any palette; OpenEXR without colour or grey, or of samples in \
+                    several depths",
+            outcome: Refused,
+            told: "by what it lacks, with what converts it",
+        },
+        Finding {
             found: "HEIC",
             outcome: Refused,
             told: "with what converts it",
@@ -97,7 +135,7 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "a file that is cut within the picture",
             outcome: Refused,
-            told: "what is missing is unknown",
+            told: "what is missing is unknown; OpenEXR and QOI by the rows that are missing",
         },
     ],
 }];

@@ -42,7 +42,8 @@ pub(super) const FORMATS: &[Format] = &[Format {
         Finding {
             found: "even time stamps with a hole in a few places",
             outcome: Remarked,
-            told: "the frame before stays there; where there is damage, `repairs.missing_frames`",
+            told: "the frame before stays there, `repairs.time_gaps`, which `--strict` accepts; \
+                   where there is damage, `repairs.missing_frames`",
         },
         Finding {
             found: "frames that last for hours between others",
@@ -55,6 +56,12 @@ pub(super) const FORMATS: &[Format] = &[Format {
                     last page",
             outcome: Mended,
             told: "shown up to there, `repairs.cut_short`",
+        },
+        Finding {
+            found: "a beginning that was lost, by time stamps that begin late in a film that is as \
+                    much shorter (MP4 in pieces, Matroska)",
+            outcome: Mended,
+            told: "shown from there, `repairs.missing_frames`",
         },
         Finding {
             found: "a display matrix of zeros, of other than right angles, or slanted",
@@ -104,6 +111,13 @@ pub(super) const FORMATS: &[Format] = &[Format {
             told: "that of its length, `repairs.broken_tags`",
         },
         Finding {
+            found: "an edit list of length 0, or one that begins behind the end; one that would \
+                    leave out the first frames, as the order of frames (`ctts`) is lost; a first \
+                    frame before the beginning",
+            outcome: Mended,
+            told: "all frames, `repairs.broken_tags`",
+        },
+        Finding {
             found: "an edit list that asks for another speed",
             outcome: Remarked,
             told: "full speed",
@@ -117,6 +131,11 @@ pub(super) const FORMATS: &[Format] = &[Format {
             found: "a segment of a stream (`.m4s`) without its init segment, or that alone",
             outcome: Refused,
             told: "with what joins them",
+        },
+        Finding {
+            found: "an MP4 without its index (`moov`), or that ends within it",
+            outcome: Refused,
+            told: "with what rebuilds it",
         },
         Finding {
             found: "an Ogg that begins in the middle",

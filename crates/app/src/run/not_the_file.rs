@@ -47,7 +47,12 @@ const KINDS: [Kind; 26] = [
     ),
     (b"7z\xbc\xaf\x27\x1c", "a 7z archive", UNPACK),
     (b"Rar!\x1a\x07", "a RAR archive", UNPACK),
-    (b"%PDF-", "a PDF document", "give the file that it is about"),
+    (
+        b"%PDF-",
+        "a PDF document",
+        "give the file that it is about, or its pages as pictures, which `pdftoppm -png FILE PAGE` \
+         writes",
+    ),
     (b"Kaydara FBX Binary", "an FBX file", EXPORT),
     (b"; FBX ", "an FBX file", EXPORT),
     (b"BLENDER", "a Blender file", EXPORT),

@@ -162,7 +162,10 @@ fn a_textured_sphere_is_prepared_verified_chosen_and_drawn() {
     let pack = folder.name("ball.foveal");
     let done = json(&["prepare", "scene", &source, "--out", &pack]);
     assert_eq!(done["texels"], 1500 * 700, "{done}");
-    assert_eq!(done["remarks"], json_of!(["normal maps are not drawn"]));
+    assert_eq!(
+        done["remarks"],
+        json_of!(["normal maps are not drawn: 1 material"])
+    );
     let bytes = |kind: &str| done["bytes_by_kind"][kind].as_u64().unwrap();
     assert!(bytes("texture") > 10_000 && bytes("mesh") > 5_000, "{done}");
     let tried = json(&["verify", &pack, "--cuts", "10", "--orders", "5"]);

@@ -16,7 +16,7 @@ use time_notes::{length_of, time_notes};
 const MOST_BYTES: usize = 900;
 const MOST_OF_ONE: usize = 400;
 /// What is done to every film of its kind, and is no damage.
-const NO_DAMAGE: [&str; 2] = ["deinterlaced_frames", "joined_recordings"];
+const NO_DAMAGE: [&str; 3] = ["deinterlaced_frames", "joined_recordings", "time_gaps"];
 /// A last frame that is shown for longer than this is reported; seconds.
 const LONG_LAST_S: f64 = 1.0;
 /// By how much the last frame must be shown longer than others, or shorter, to be reported.
@@ -26,6 +26,8 @@ const UNLIKE: f64 = 0.05;
 const HOLES: usize = 50;
 const LEAST_EVEN: usize = 8;
 const MOST_LENGTH: f64 = 1000.0;
+/// Of fewer frames than these it is not said that they are missing at the start.
+const LEAST_MISSING: u64 = 2;
 /// Codecs of animations, which say of every picture how long it is shown.
 pub const ANIMATIONS: [&str; 3] = ["gif", "apng", "webp"];
 
@@ -35,6 +37,8 @@ pub(super) struct ReadThrough {
     /// How long the last frame is shown, in nanoseconds, where the input was read to its end and
     /// says so.
     pub(super) last_ns: Option<i64>,
+    /// Time stamp of the first frame, in nanoseconds.
+    pub(super) begins_ns: i64,
 }
 
 /// What reading showed.
@@ -53,7 +57,11 @@ pub(super) fn findings(
     sound: &SoundFound,
 ) -> Findings {
     let fps = plan.description.fps();
-    let ReadThrough { mended, last_ns } = through;
+    let ReadThrough {
+        mended,
+        last_ns,
+        begins_ns,
+    } = through;
     let most = u64::from(plan.most_frames.unwrap_or(MAX_FRAMES));
     // What does not come at the start is reported as that, and not as an end.
     let left_out = mended.dropped_at_start + mended.lost;
@@ -61,7 +69,20 @@ pub(super) fn findings(
         .frames_told
         .map(|of| of.saturating_sub(left_out).min(most));
     let of = of.filter(|_| mended.breaks_off.is_none());
+    let is_short = |of: u64| of > times.len() as u64 + LEAST_MISSING;
+    let is_short = mended.breaks_off.is_some() || of.is_some_and(is_short);
+    let lacks_start = lacks_start(plan, times, *begins_ns).filter(|_| is_short);
+    let of = of.map(|of| of.saturating_sub(lacks_start.unwrap_or(0)));
+    let mended = &Mended {
+        breaks_off: mended.breaks_off.clone().filter(|_| lacks_start.is_none()),
+        ..mended.clone()
+    };
     let mut warnings = sound.notes.clone();
+    warnings.extend(lacks_start.map(|lost| {
+        let begins = *begins_ns as f64 / 1e9;
+        let lost = counted(lost, "frame");
+        format!("it lacks about {lost} at its start: its time stamps begin at {begins:.2} s")
+    }));
     warnings.extend(mended.remarks(times.len() as u64, length_of(times, fps)));
     if mended.is_transparent && !plan.tells_of_transparency {
         warnings.push("what is transparent in it is shown over black".to_owned());
@@ -73,27 +94,10 @@ pub(super) fn findings(
     }
     let notes = time_notes(times, fps, mended.repaired_stamps, of);
     let mut repairs = mended.repairs();
-    let missing = missing_frames(times, fps);
-    let are_missing = |frames| match frames {
-        1 => "1 frame is".to_owned(),
-        more => format!("{more} frames are"),
-    };
-    let is_damaged = mended.damaged + mended.lost + mended.clusters.damaged > 0;
-    let is_animation = ANIMATIONS.contains(&plan.description.source.codec.as_str());
-    if is_damaged && missing.is_even && missing.frames > 0 {
-        repairs.insert("missing_frames".to_owned(), missing.frames);
-        warnings.push(format!(
-            "about {} missing where it is damaged; the frame before stays there",
-            are_missing(missing.frames)
-        ));
-    } else if missing.are_holes() && !is_animation {
-        warnings.push(format!(
-            "by its time stamps about {} missing between others, the first after frame {}: lost, \
-             or left out when it was recorded; the frame before stays there",
-            are_missing(missing.frames),
-            missing.first
-        ));
+    if let Some(lost) = lacks_start {
+        repairs.insert("missing_frames".to_owned(), lost);
     }
+    tell_missing((plan, times), mended, &mut repairs, &mut warnings);
     if notes.ends_early {
         repairs.insert("cut_short".to_owned(), 1);
     }
@@ -102,6 +106,7 @@ pub(super) fn findings(
     }
     warnings.extend(notes.said);
     let last_frame_s = last_frame_s(plan, times, *last_ns);
+    let is_animation = is_animation(plan);
     if let Some(seconds) = last_frame_s.filter(|it| *it > LONG_LAST_S && !is_animation) {
         warnings.push(format!("its last frame is shown for {seconds:.2} s"));
     }
@@ -110,6 +115,49 @@ pub(super) fn findings(
         repairs,
         last_frame_s,
     }
+}
+
+fn is_animation(plan: &PreparationPlan) -> bool {
+    ANIMATIONS.contains(&plan.description.source.codec.as_str())
+}
+
+/// Reports frames that are missing between others.
+fn tell_missing(
+    (plan, times): (&PreparationPlan, &[i64]),
+    mended: &Mended,
+    repairs: &mut BTreeMap<String, u64>,
+    warnings: &mut Vec<String>,
+) {
+    let missing = missing_frames(times, plan.description.fps());
+    let are_missing = |frames| match frames {
+        1 => "1 frame is".to_owned(),
+        more => format!("{more} frames are"),
+    };
+    let is_damaged = mended.damaged + mended.lost + mended.clusters.damaged > 0;
+    if is_damaged && missing.is_even && missing.frames > 0 {
+        *repairs.entry("missing_frames".to_owned()).or_default() += missing.frames;
+        warnings.push(format!(
+            "about {} missing where it is damaged; the frame before stays there",
+            are_missing(missing.frames)
+        ));
+    } else if missing.are_holes() && !is_animation(plan) {
+        repairs.insert("time_gaps".to_owned(), missing.gaps as u64);
+        warnings.push(format!(
+            "by its time stamps about {} missing between others, the first after frame {}: lost, \
+             or left out when it was recorded; the frame before stays there",
+            are_missing(missing.frames),
+            missing.first
+        ));
+    }
+}
+
+/// Frames that a film lacks at its start, where its time stamps begin late, and the frames that
+/// came are as many fewer than expected.
+fn lacks_start(plan: &PreparationPlan, times: &[i64], begins_ns: i64) -> Option<u64> {
+    let late = (begins_ns.max(0) as f64 / 1e9 * plan.description.fps()).round() as u64;
+    let came = times.len() as u64;
+    let fits = |of: u64| of.abs_diff(came.saturating_add(late)) <= LEAST_MISSING;
+    (late >= LEAST_MISSING && plan.frames.is_some_and(fits)).then_some(late)
 }
 
 /// What a film lacks between frames, by its rate.

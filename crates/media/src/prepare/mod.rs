@@ -367,6 +367,7 @@ fn read_frames(
     Ok(ReadThrough {
         mended: video.mended(),
         last_ns: video.last_ns().filter(|_| is_at_end),
+        begins_ns: video.first_stamp_ns(),
     })
 }
 

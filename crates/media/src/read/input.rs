@@ -5,16 +5,18 @@ use std::path::Path;
 
 use crate::error::MediaError;
 use crate::plain_file::open_plain;
+use crate::read::film::ends::animation_end::gif_without_palette;
 use crate::read::film::ends::other_file::other_file;
 use crate::read::film::mended::Mended;
 use crate::read::film::stream_input::StreamInput;
 use crate::read::options::{ReadOptions, TimedPicture};
 use crate::read::source::SourceInfo;
 use crate::read::still::decoded_still::DecodedStill;
+use crate::read::still::exr::still as exr;
 use crate::read::still::heif_still::HeifStill;
 use crate::read::still::large_still::LargeStill;
 use crate::read::still::webp_input::WebPInput;
-use crate::read::still::{float_map, radiance, tiff_still};
+use crate::read::still::{float_map, qoi, radiance, tiff_still};
 
 /// An open video or image file, read from front to back.
 ///
@@ -66,9 +68,12 @@ impl VideoInput {
             Source::Decoded(Box::new(still))
         } else if let Some(still) = float_map::open(path, bytes)? {
             Source::Decoded(Box::new(still))
+        } else if let Some(still) = exr::open(path, bytes)? {
+            Source::Decoded(Box::new(still))
         } else if let Some(still) = tiff_still::open(path, bytes)? {
             Source::Decoded(Box::new(still))
         } else {
+            qoi::check(path)?;
             let stream = StreamInput::open(path, bytes, options);
             Source::Stream(Box::new(stream.map_err(|error| match error {
                 MediaError::NoFrames { .. } => refused_kind(path, bytes).unwrap_or(error),
@@ -151,7 +156,16 @@ impl VideoInput {
 
 /// Why no frame of a file can be read, where that is for what it is.
 fn refused_kind(path: &Path, bytes: u64) -> Option<MediaError> {
-    tiff_still::kind_refused(path, bytes).or_else(|| other_file(path))
+    let without_palette = || {
+        gif_without_palette(path).map(|reason| MediaError::OtherFile {
+            path: path.to_owned(),
+            what: reason,
+            next: "`magick FILE OUT.png` shows them in shades of grey".to_owned(),
+        })
+    };
+    tiff_still::kind_refused(path, bytes)
+        .or_else(without_palette)
+        .or_else(|| other_file(path))
 }
 
 fn file_bytes(path: &Path) -> Result<u64, MediaError> {

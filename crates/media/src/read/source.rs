@@ -74,6 +74,42 @@ pub struct SourceInfo {
     pub looks_still: bool,
 }
 
+impl SourceInfo {
+    /// Of an upright picture that is read by itself, as far as these say: FFmpeg's names of its
+    /// codec and its pixel format, and the bytes of its file.
+    pub(crate) fn of_still(
+        [width, height]: [u32; 2],
+        colour: Colour,
+        (codec, pixel_format): (&str, &str),
+        tags: StillTags,
+        bytes: u64,
+    ) -> Self {
+        Self {
+            width,
+            height,
+            frame_rate: FALLBACK_RATE,
+            frames: Some(1),
+            frames_told: None,
+            seconds: None,
+            colour,
+            spherical: None,
+            stereo: None,
+            is_hdr: tags.is_hdr,
+            tags,
+            broken_boxes: Vec::new(),
+            camera: None,
+            sound: None,
+            transparency: None,
+            pixel_aspect: None,
+            is_interlaced: false,
+            codec: codec.to_owned(),
+            pixel_format: pixel_format.to_owned(),
+            bytes,
+            looks_still: true,
+        }
+    }
+}
+
 /// What becomes of a source's transparency: pictures as they are delivered have none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transparency {
@@ -266,14 +302,19 @@ pub(crate) fn pixel_aspect_of(input: &Input, stream: &Stream, first: &Video) -> 
             first.as_ptr().cast_mut(),
         )
     };
-    let shape = av::Rational::from(guess);
+    // A field of HEVC is a picture of half the height.
+    let is_field = first.is_interlaced() && stream.parameters().id() == av::codec::Id::HEVC;
+    pixel_aspect(guess.into(), if is_field { 2 } else { 1 })
+}
+
+/// The shape of pixels of which so many rows are one; `None` where they are square, or what is said
+/// cannot be meant.
+#[allow(unsafe_code)] // ffmpeg-next has no such call.
+pub(crate) fn pixel_aspect(shape: av::Rational, rows: i64) -> Option<[i32; 2]> {
     if shape.0 <= 0 || shape.1 <= 0 {
         return None;
     }
     let (mut w, mut h) = (0, 0);
-    // A field of HEVC is a picture of half the height.
-    let is_field = first.is_interlaced() && stream.parameters().id() == av::codec::Id::HEVC;
-    let rows = if is_field { 2 } else { 1 };
     // SAFETY: writes the two numbers.
     unsafe {
         let most = i64::from(FINEST_SHAPE);

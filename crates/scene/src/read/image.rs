@@ -4,6 +4,7 @@
 //! are not interlaced, takes memory for all of it and may be no larger than that allows.
 
 mod bmp;
+pub(super) mod hidden;
 pub(super) mod pictures;
 mod tga;
 pub(super) mod transparent;

@@ -96,6 +96,26 @@ pub(super) const WORDS_BEYOND: Mend = Mend {
     name: "rows_too_long",
     what: "rows have more values than announced; the rest of each is left out",
 };
+/// A face is no surface.
+pub(super) const SHORT_FACE: Mend = Mend {
+    name: "faces_under_three_corners",
+    what: "faces with fewer than three corners, as where a file breaks off, are left out",
+};
+/// A curve or a surface of formulas.
+pub(super) const CURVE_LEFT: Mend = Mend {
+    name: "curves_left_out",
+    what: "curves and free-form surfaces are not drawn",
+};
+/// Two lines say how opaque a material is.
+pub(super) const OPACITY_TWICE: Mend = Mend {
+    name: "opacities_said_twice",
+    what: "materials say by `d` and by `Tr` how opaque they are, and these differ: `d` counts",
+};
+/// Numbers are stored the other way round.
+pub(super) const BYTE_ORDER: Mend = Mend {
+    name: "byte_orders_mended",
+    what: "numbers are stored in the other order of bytes than the header says, and are read so",
+};
 /// Commas separate corners, or corners have blanks within.
 pub(super) const FACE_SIGNS: Mend = Mend {
     name: "faces_with_odd_signs",
@@ -277,6 +297,12 @@ pub(super) const NODE_IN_ITSELF: Mend = Mend {
 pub(super) const NODE_SHARED: Mend = Mend {
     name: "nodes_with_several_parents",
     what: "nodes that have several parents, which glTF does not allow, are shown below each",
+};
+/// A node stands in two ways.
+pub(super) const NODE_PLACED_TWICE: Mend = Mend {
+    name: "nodes_placed_twice",
+    what: "nodes have a matrix and also a translation, rotation or scale, which glTF does not \
+           allow: the matrix counts",
 };
 /// A place has no meaning.
 pub(super) const PLACE_MENDED: Mend = Mend {

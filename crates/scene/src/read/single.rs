@@ -6,7 +6,8 @@ use std::path::Path;
 
 use super::error::{Fault, ReadError};
 use super::files::{NamedFile, OnDisk};
-use super::mends::Mends;
+use super::image::hidden;
+use super::mends::{self, Mends};
 use super::place::{self, ReadOptions, Up};
 use super::search::Folder;
 use super::text::{shortened, utf8_of};
@@ -180,6 +181,7 @@ impl SceneFile<'_> {
             // A mesh that stands in several places is finite after the first.
             sound::make_finite(&mut scene.meshes[object.mesh], &object.name, &mut mends);
         }
+        hidden::leave_out(&mut scene);
         let sound = |mesh| sound::make_sound(mesh, &mut scene.repairs);
         let has_sides: Vec<bool> = scene.meshes.iter_mut().map(sound).collect();
         for number in (0..has_sides.len()).filter(|it| has_sides[*it]) {
@@ -189,6 +191,7 @@ impl SceneFile<'_> {
             sheets::join_sides(&mut scene, number, &name);
         }
         mends.tell(self.name, &mut scene);
+        self.tell_short_faces(&mut scene);
         tell_black(&mut scene);
         scene.leave_out_empty();
         outliers::part_meshes(&mut scene);
@@ -207,6 +210,18 @@ impl SceneFile<'_> {
             });
         }
         Ok(scene)
+    }
+}
+
+impl SceneFile<'_> {
+    /// Reports faces that were left out as they have too few corners; those of OBJ are reported
+    /// with their lines.
+    fn tell_short_faces(&self, scene: &mut SourceScene) {
+        let times = scene.repairs.get(mends::SHORT_FACE.name).copied();
+        if let Some(times) = times.filter(|_| self.format != SceneFormat::Obj) {
+            let (name, what) = (shortened(self.name), mends::SHORT_FACE.what);
+            scene.remark(format!("{name}: {what}: {times}"));
+        }
     }
 }
 

@@ -279,7 +279,7 @@ impl Solid {
         match corners.len() {
             0 => {}
             1 | 2 => {
-                count(&mut self.repairs, "faces_under_three_corners", 1);
+                count(&mut self.repairs, mends::SHORT_FACE.name, 1);
                 let place = || format!("in line {line}");
                 self.mends.add(mends::LINE_BROKEN, 1, place);
             }

@@ -17,6 +17,7 @@ use crate::beneath::{Beneath, leads_out};
 use crate::plain_bytes::{PlainBytesError, bytes_of, plain_bytes};
 use crate::read::{ReadError, ReadOptions, read};
 use crate::source::{SourceObject, SourceScene};
+use std::cell::RefCell;
 use std::path::Path;
 
 use foveal_core::view::panel::rig::{Panel, Rig};
@@ -119,18 +120,23 @@ pub fn read_rig_seen_from(path: &Path, eye: Option<[f64; 3]>) -> Result<NotedRig
     };
     let found = match kind {
         RigKind::Entries(syntax) => parse_rig(&bytes, syntax, &read).map(plain),
-        RigKind::Mpcdi => mpcdi::read(&bytes, &read, eye).map(|found| NotedRig {
-            rig: found.rig,
-            notes: found.notes,
-        }),
+        RigKind::Mpcdi => {
+            let others = RefCell::new(Vec::new());
+            let read =
+                |name: &str| read(name).or_else(|why| near(path, name, &others).ok_or(why)?);
+            mpcdi::read(&bytes, &read, eye).map(|found| NotedRig {
+                rig: found.rig,
+                notes: [found.notes, others.take()].concat(),
+            })
+        }
         RigKind::Mesh => mesh::read(&bytes).map(|(rig, notes)| NotedRig { rig, notes }),
     };
     found.map_err(|fault| fault.in_file(path))
 }
 
-/// The rig of projectors that light a wall, which is a 3D file of triangles, for an eye at a place
-/// in the wall's own units: to the right, up and behind. A panel is what a projector lights, as the
-/// eye sees it.
+/// The rig of projectors, and what was mended of the wall that they light, which is a 3D file of
+/// triangles, for an eye at a place in the wall's own units: to the right, up and behind. A panel
+/// is what a projector lights, as the eye sees it.
 ///
 /// # Errors
 /// The file cannot be read or has no triangle, or a projector lights none of it, or more than
@@ -139,11 +145,14 @@ pub fn rig_of_projectors(
     wall: &Path,
     projectors: &[Projector],
     eye: [f64; 3],
-) -> Result<Rig, RigOfProjectorsError> {
+) -> Result<NotedRig, RigOfProjectorsError> {
     let scene = read(&[wall], &ReadOptions::default())?;
     let triangles = triangles_of(&scene).map_err(|fault| fault.in_file(wall))?;
     let rig = projectors::rig(&triangles, projectors, eye.into());
-    Ok(rig.map_err(|fault| fault.in_file(wall))?)
+    Ok(NotedRig {
+        rig: rig.map_err(|fault| fault.in_file(wall))?,
+        notes: scene.remarks,
+    })
 }
 
 /// All triangles of a scene where they stand.
@@ -214,6 +223,21 @@ fn beside(rig: &Path, name: &str) -> Result<Vec<u8>, String> {
             format!("is not a plain file of at most {MOST_BESIDE} bytes")
         }
     })
+}
+
+/// The same of a file whose name differs from this one in capitals alone, which is noted; none
+/// where there is none.
+fn near(rig: &Path, name: &str, notes: &RefCell<Vec<String>>) -> Option<Result<Vec<u8>, String>> {
+    let other = Beneath::beside(rig)
+        .ok()?
+        .in_other_capitals(Path::new(name))?;
+    let other = other.to_str()?;
+    let note = format!("{name:?} is not there: {other:?} is taken, which differs in capitals");
+    let mut notes = notes.borrow_mut();
+    if !notes.contains(&note) {
+        notes.push(note);
+    }
+    Some(beside(rig, other))
 }
 
 fn parse_rig(

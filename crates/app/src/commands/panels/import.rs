@@ -150,10 +150,7 @@ impl ImportArgs {
         match is_scene_file(&self.file) {
             true => {
                 let eye = self.eye_at.unwrap_or_default();
-                Ok(NotedRig {
-                    rig: rig_of_projectors(&self.file, &self.projector, eye)?,
-                    notes: Vec::new(),
-                })
+                Ok(rig_of_projectors(&self.file, &self.projector, eye)?)
             }
             false => read_noting(&self.file, self.eye_at),
         }

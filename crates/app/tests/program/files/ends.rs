@@ -172,3 +172,25 @@ fn recordings_that_are_put_behind_each_other_are_no_damage() {
         assert!((3.8..4.3).contains(&seconds), "{name}: {told}");
     }
 }
+
+#[test]
+fn a_film_without_its_beginning_is_told_from_one_without_its_end() {
+    let folder = Folder::new();
+    let film = Film {
+        frames: 40,
+        gop: 10,
+        ..Film::default()
+    };
+    let whole = made(&folder, "a.mkv", &film);
+    let [first, second] = [0, 1].map(|number| nth(&whole, b"\x1f\x43\xb6\x75", number));
+    let without = [&whole[..first], &whole[second..]].concat();
+    let told = told_of(&folder, "late.mkv", &without, true);
+    assert!(
+        remarks(&told).contains("at its start: its time stamps begin at"),
+        "{told}"
+    );
+    assert_eq!(told["frames"], 30, "{told}");
+    let lost = 40 - told["frames"].as_u64().unwrap();
+    assert_eq!(repair(&told, "missing_frames"), lost, "{told}");
+    assert_eq!(repair(&told, "cut_short"), 0, "{told}");
+}

@@ -329,3 +329,42 @@ fn a_texture_that_is_cut_short_or_claims_too_much_leaves_the_colour_and_is_named
     row.assert_remarks(&["data.png", "Git LFS"]);
     row.assert_remarks(&["base64"]);
 }
+
+#[test]
+fn hidden_materials_and_nodes_placed_twice_are_told_and_mends_are_counted_once() {
+    let folder = Folder::new();
+    folder.holding("a.bin", &binary());
+    folder.holding("red.png", &png_of(RED, 8));
+    let plain = document("a.bin", r#"{"uri":"red.png"}"#);
+    let hidden = r#"},{"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[0,0,1,0.0]}}],
+"textures""#;
+    let front = r#""nodes":[{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
+"translation":[0.0,0.0,7.0]},{"mesh":1,"translation":[0,0,0.5]}],"#;
+    let second =
+        r#""meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":2,"material":1}]},"#;
+    let changed = plain
+        .replace("}],\n\"textures\"", hidden)
+        .replace(
+            "\"scenes\":[{\"nodes\":[0]}]",
+            "\"scenes\":[{\"nodes\":[0,1]}]",
+        )
+        .replace("\"nodes\":[{\"mesh\":0}],", front)
+        .replace("\"meshes\":[", second)
+        .replace("\"mesh\":1", "\"mesh\":2")
+        .replace("\"mesh\":0", "\"mesh\":1")
+        .replace("\"mesh\":2", "\"mesh\":0");
+    folder.holding("plain.gltf", plain.as_bytes());
+    // A comma too many, besides numbers that are whole all the same.
+    folder.holding("a.gltf", changed.replacen("7.0]", "7.0,]", 1).as_bytes());
+    let row = Row::of(&folder, &["plain.gltf", "a.gltf"]);
+    row.assert_alike(&["plain.gltf", "a.gltf"]);
+    for (name, times) in [
+        ("triangles_hidden", ALL),
+        ("nodes_placed_twice", 1),
+        ("json_mended", 1),
+    ] {
+        assert_eq!(row.mended(name), times, "{name}: {}", row.told);
+    }
+    row.assert_remarks(&["breaks its rules in 1 place"]);
+    row.assert_remarks(&["the matrix counts", "node 0"]);
+}

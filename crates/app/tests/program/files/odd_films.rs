@@ -293,3 +293,58 @@ fn a_folder_is_refused_with_what_to_give_and_messages_have_no_numbers_of_errors(
         assert!(!ran.stderr.contains("os error"), "{ran:?}");
     }
 }
+
+#[test]
+fn edit_lists_that_would_show_nothing_or_lose_frames_are_corrected() {
+    let folder = Folder::new();
+    let path = folder.name("whole.mp4");
+    let film = Film {
+        frames: 12,
+        gop: 12,
+        b_frames: 2,
+        ..Film::default()
+    };
+    film.write(&path, moving);
+    let whole = std::fs::read(&path).unwrap();
+    let [elst, ctts] = [b"elst", b"ctts"].map(|it| inside(&whole, it));
+    type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+    let changes: [(Change<'_>, &str); 4] = [
+        (&|it| set(it, elst + 8, 0), "length of 0"),
+        (
+            &|it| set(it, elst + 12, 100_000_000),
+            "behind its last frame",
+        ),
+        (&|it| it[ctts - 4..ctts].copy_from_slice(b"free"), "(ctts)"),
+        (
+            &|it| set(it, ctts + 12, -5000_i32 as u32),
+            "before its beginning",
+        ),
+    ];
+    for (change, words) in changes {
+        let mut wrong = whole.clone();
+        change(&mut wrong);
+        let told = prepared(&folder, &folder.holding("a.mp4", &wrong), &[]);
+        assert!(
+            told["frames"] == 12 && remarks(&told).contains(words),
+            "{words}: {told}"
+        );
+    }
+    let told = prepared(&folder, &path, &[]);
+    assert!(
+        told["frames"] == 12 && repair(&told, "broken_tags") == 0,
+        "{told}"
+    );
+    let moov = inside(&whole, b"moov");
+    for (bytes, words) in [
+        (&whole[..moov - 8], "without its index (moov)"),
+        (&whole[..moov + 60], "ends within its index"),
+    ] {
+        let file = folder.holding("never.mp4", bytes);
+        let out = folder.name("never.foveal");
+        refused(
+            1,
+            &["prepare", "video", &file, "--out", &out],
+            &[words, "untrunc"],
+        );
+    }
+}

@@ -241,3 +241,56 @@ fn meshes_of_any_size_are_lit_alike_and_what_is_not_read_is_named() {
     ];
     refused(1, &arguments, &["none.obj", "`f 1 2 3`", "`v 0 0 1`"]);
 }
+
+#[test]
+fn what_is_wholly_transparent_is_not_drawn_and_told() {
+    let folder = Folder::new();
+    let quad = |z: f64| {
+        let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        corners.map(|[x, y]| format!("v {x} {y} {z}\n")).concat()
+    };
+    let hull = |mtl: &str| {
+        folder.holding("hull.mtl", b"newmtl red\nKd 0.8 0 0\n");
+        folder.holding(
+            "more.mtl",
+            format!("newmtl hull\nKd 0 0 1\n{mtl}").as_bytes(),
+        );
+        let (back, front) = (quad(0.0), quad(0.5));
+        format!(
+            "mtllib hull.mtl\nmtllib more.mtl\n{back}{front}usemtl red\nf 1 2 3 4\nusemtl hull\n\
+             f 5 6 7 8\n"
+        )
+    };
+    let plain = format!("mtllib hull.mtl\n{}usemtl red\nf 1 2 3 4\n", quad(0.0));
+    folder.holding("plain.obj", plain.as_bytes());
+    for mtl in ["d 0\n", "Tr 1\n"] {
+        folder.holding("hull.obj", hull(mtl).as_bytes());
+        let row = Row::of(&folder, &["plain.obj", "hull.obj"]);
+        row.assert_alike(&["plain.obj", "hull.obj"]);
+        row.assert_remarks(&["wholly transparent", "2 triangles of 1 material", "hull"]);
+        assert_eq!(row.mended("triangles_hidden"), 2, "{}", row.told);
+        assert_eq!(row.mended("drawn_opaque"), 0, "{}", row.told);
+    }
+    // Two lines that say the opposite; a file of nothing else; and half of it.
+    let all = plain
+        .replace("usemtl red", "usemtl hull")
+        .replace("hull.mtl", "more.mtl");
+    for (mtl, repair, word) in [
+        ("d 1\nTr 1\n", "opacities_said_twice", "`d` counts"),
+        ("d 0\n", "drawn_opaque", "as nothing would be seen"),
+        ("d 0.5\n", "drawn_opaque", "half transparent"),
+    ] {
+        hull(mtl);
+        let told = prepared(&folder, "all.obj", all.as_bytes(), &[]);
+        assert_eq!(told["repairs"][repair], 1, "{told}");
+        assert!(told["remarks"].to_string().contains(word), "{told}");
+    }
+    // A file that breaks off within a face.
+    let cut = format!("{}f 1 2 3\nf 1 3", quad(0.0));
+    let told = prepared(&folder, "cut.obj", cut.as_bytes(), &[]);
+    let remarks = told["remarks"].to_string();
+    assert!(
+        remarks.contains("fewer than three corners") && remarks.contains("line 6"),
+        "{told}"
+    );
+}

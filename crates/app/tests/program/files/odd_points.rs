@@ -1,6 +1,7 @@
 //! Are clouds shown whose colours, intensities or headers cannot be meant as they are?
 
 use super::las::{scan, shown, with};
+use super::meshes::{self, prepared};
 use super::row::Row;
 use crate::support::{Folder, refused};
 use std::fmt::Write as _;
@@ -206,4 +207,30 @@ fn clouds_of_text_are_read_as_other_programs_write_them() {
                 property half y\nproperty half z\nend_header\n";
     let bytes = [head.as_bytes(), &half].concat();
     assert_eq!(shown(&folder, "half.ply", &bytes, &[]), 3);
+}
+
+#[test]
+fn numbers_in_the_other_order_of_bytes_than_told_are_read_and_told() {
+    let folder = Folder::new();
+    for (told, stored) in [
+        ("little", f32::to_be_bytes as fn(f32) -> [u8; 4]),
+        ("big", f32::to_le_bytes),
+        ("little", f32::to_le_bytes),
+    ] {
+        let mut bytes = format!(
+            "ply\nformat binary_{told}_endian 1.0\nelement vertex 1681\nproperty float x\n\
+             property float y\nproperty float z\nend_header\n"
+        )
+        .into_bytes();
+        for k in 0..1681 {
+            let place = [k % 41, k / 41, 0].map(|it| it as f32 / 40.0);
+            bytes.extend(place.iter().flat_map(|it| stored(*it)));
+        }
+        let done = prepared(&folder, "a.ply", &bytes, &[]);
+        assert_eq!(done["points"], 1681, "{done}");
+        let is_turned = stored(1.0)[0] != 0 && told == "little" || told == "big";
+        let times = done["repairs"]["byte_orders_mended"].as_u64().unwrap_or(0);
+        assert_eq!(times, u64::from(is_turned), "{done}");
+        assert!(meshes::shown(&meshes::picture(&folder)) > 2000);
+    }
 }

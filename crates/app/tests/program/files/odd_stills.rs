@@ -9,23 +9,23 @@ use serde_json::Value;
 use std::slice::from_ref;
 
 /// What is reported of a picture, and what is seen of it.
-fn seen(folder: &Folder, file: &str, view: &str) -> (Value, Rgb) {
+pub(super) fn seen(folder: &Folder, file: &str, view: &str) -> (Value, Rgb) {
     let (told, shown, _) = stills::seen(folder, file, view);
     (told, shown)
 }
 
-fn remarks(told: &Value) -> String {
+pub(super) fn remarks(told: &Value) -> String {
     told["remarks"].to_string()
 }
 
-fn refuses(folder: &Folder, name: &str, bytes: &[u8], words: &[&str]) {
+pub(super) fn refuses(folder: &Folder, name: &str, bytes: &[u8], words: &[&str]) {
     let file = folder.holding(name, bytes);
     let out = folder.name("never.foveal");
     refused(1, &["prepare", "video", &file, "--out", &out], words);
 }
 
 /// Red, green, blue and yellow quarters.
-fn quarters(side: u32) -> Vec<u8> {
+pub(super) fn quarters(side: u32) -> Vec<u8> {
     let colours = [[250, 0, 0], [0, 250, 0], [0, 0, 250], [250, 250, 0]];
     let of = |x: u32, y: u32| colours[usize::from(x >= side / 2) + 2 * usize::from(y >= side / 2)];
     (0..side)
@@ -33,7 +33,7 @@ fn quarters(side: u32) -> Vec<u8> {
         .collect()
 }
 
-fn assert_quarters(shown: &Rgb, of: &str) {
+pub(super) fn assert_quarters(shown: &Rgb, of: &str) {
     let [w, h] = shown.size;
     for ([x, y], lit) in [
         ([1, 1], [true, false, false]),
@@ -460,14 +460,98 @@ fn files_that_are_no_pictures_are_named_with_what_to_do() {
         (
             "b.png",
             b"<!DOCTYPE html>\n<html><body>not found</body></html>\n",
-            ["web page", "download"],
+            ["HTML", "download"],
         ),
         (
             "a.mp4",
             b"PK\x03\x04aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa",
-            ["ZIP", "unzip"],
+            ["ZIP", "unpack"],
         ),
     ] {
         refuses(&folder, name, bytes, &words);
     }
+}
+
+/// A TIFF whose first page is the one of `small`, and whose second is that of `whole`; of both the
+/// data begin alike.
+fn behind_one_another(small: &[u8], whole: &[u8]) -> Vec<u8> {
+    let word = |bytes: &[u8], at: usize| u32::from_le_bytes(*bytes[at..].first_chunk().unwrap());
+    let mut own = small[word(small, 4) as usize..].to_vec();
+    let count = usize::from(u16::from_le_bytes([own[0], own[1]]));
+    let end = 2 + 12 * count;
+    own[end..end + 4].copy_from_slice(&whole[4..8]);
+    // Its bits stand behind it.
+    let bits = (0..count)
+        .map(|k| 2 + 12 * k)
+        .find(|at| own[*at..*at + 2] == [2, 1]);
+    let far = (whole.len() + end + 4) as u32;
+    own[bits.unwrap() + 8..][..4].copy_from_slice(&far.to_le_bytes());
+    let mut bytes = [whole, &own].concat();
+    bytes[4..8].copy_from_slice(&(whole.len() as u32).to_le_bytes());
+    bytes
+}
+
+#[test]
+fn stills_that_hold_other_than_they_say_are_shown_as_meant_and_told() {
+    let folder = Folder::new();
+    let told = |name: &str, bytes: &[u8]| seen(&folder, &folder.holding(name, bytes), "32x32");
+    // A palette of two colours, and pixels of a third.
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, 32, 32);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(vec![250, 0, 0, 0, 250, 0]);
+    let mut writer = encoder.write_header().unwrap();
+    writer
+        .write_image_data(&[[0; 16], [9; 16]].concat().repeat(32))
+        .unwrap();
+    drop(writer);
+    let (about, shown) = told("a.png", &png);
+    assert!(shown.at([8, 16])[0] > 200 && shown.at([24, 16])[0] < 20);
+    assert!(
+        remarks(&about).contains("512 pixels of it name colours"),
+        "{about}"
+    );
+    let mut webp = Vec::new();
+    let encoder = WebPEncoder::new(&mut webp);
+    encoder
+        .encode(&quarters(32), 32, 32, ColorType::Rgb8)
+        .unwrap();
+    let canvas = [&b"VP8X\x0a\0\0\0\0\0\0\0\x7f\0\0\x7f\0\0"[..], &webp[12..]].concat();
+    let length = (canvas.len() as u32 + 4).to_le_bytes();
+    let (about, shown) = told("a.webp", &[b"RIFF", &length[..], b"WEBP", &canvas].concat());
+    assert_quarters(&shown, "canvas");
+    assert!(
+        remarks(&about).contains("128x128 pixels, and its picture is 32x32"),
+        "{about}"
+    );
+    let jpeg = jpeg(32);
+    let (about, _) = told("a.jpg", &jpeg[..jpeg.len() - 2]);
+    assert_eq!(about["repairs"], serde_json::json!({}), "{about}");
+    // A small picture of the whole comes first.
+    let whole = tiff(&entries(32, 3, &[]), &[quarters(32)], false);
+    let small = tiff(&entries(8, 3, &[(254, 1)]), &[vec![9; 192]], false);
+    let (about, shown) = told("a.tif", &behind_one_another(&small, &whole));
+    assert_quarters(&shown, "page");
+    assert!(
+        remarks(&about).contains("smaller one of another, which is shown"),
+        "{about}"
+    );
+    assert!(remarks(&about).contains("rgb24"), "{about}");
+    // Where no picture lies, nothing is painted.
+    let mut free = gif([32, 32], &[([0, 0, 16, 32], true), ([0, 0, 16, 32], true)]);
+    free[11] = 1;
+    let (about, shown) = told("a.gif", &free);
+    assert!(
+        shown.at([8, 16])[0] > 240 && shown.at([24, 16])[0] < 20,
+        "{about}"
+    );
+    let mut bare = gif([32, 32], &[([0, 0, 32, 32], true)]);
+    bare[10] = 0;
+    bare.drain(13..19);
+    refuses(&folder, "bare.gif", &bare, &["1 picture without a palette"]);
+    let xyz = b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 32 +X 32\n";
+    let pixels = [128, 128, 128, 128].repeat(32 * 32);
+    let (_, shown) = told("a.hdr", &[&xyz[..], &pixels].concat());
+    assert_grey(&shown, 188, "XYZ");
 }

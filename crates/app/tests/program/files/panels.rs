@@ -105,3 +105,105 @@ fn an_mpcdi_whose_files_are_named_in_other_letters_keeps_its_maps() {
     let file = folder.holding("c.xml", text(&both, none).as_bytes());
     assert!(remarks(&imported(&folder, &file)).contains("is treated as missing"));
 }
+
+/// A map of 4 x 4 shares.
+fn map() -> Vec<u8> {
+    let mut map = b"PF\n4 4\n-1.0\n".to_vec();
+    for (line, column) in (0..4_u8).flat_map(|line| (0..4_u8).map(move |column| (line, column))) {
+        let [x, y] = [column, line].map(|at| (f32::from(at) + 0.5) / 4.4);
+        map.extend([x, y, 0.0].map(f32::to_le_bytes).as_flattened());
+    }
+    map
+}
+
+#[test]
+fn an_mpcdi_that_lacks_a_map_or_its_end_keeps_its_other_panels() {
+    let folder = Folder::new();
+    let text = |left: &str, right: &str| {
+        let region = |id: &str, x: &str| {
+            format!(
+                "<region id=\"{id}\" xResolution=\"4\" yResolution=\"4\" x=\"{x}\" y=\"0\" \
+                 xsize=\"0.5\" ysize=\"1\"/>"
+            )
+        };
+        let set = |id: &str, file: &str| {
+            format!(
+                "<fileset region=\"{id}\"><geometryWarpFile><path>{file}</path>\
+                 </geometryWarpFile></fileset>"
+            )
+        };
+        format!(
+            "<MPCDI profile=\"2d\"><display><buffer xResolution=\"8\" yResolution=\"4\">{}{}\
+             </buffer></display>\n<files>{}{}</files></MPCDI>",
+            region("L", "0"),
+            region("R", "0.5"),
+            set("L", left),
+            set("R", right)
+        )
+    };
+    std::fs::create_dir(folder.name("warp")).unwrap();
+    folder.holding("warp/w.pfm", &map());
+    folder.holding("cut.pfm", &map()[..100]);
+    let both = text("warp/w.pfm", "warp/w.pfm");
+    for (text, panels, words) in [
+        (both.clone(), 2, ""),
+        (text("warp/w.pfm", "Warp\\W.PFM"), 2, "differs in capitals"),
+        (
+            text("warp/w.pfm", "gone.pfm"),
+            1,
+            "region \"R\" is left out",
+        ),
+        (text("cut.pfm", "warp/w.pfm"), 1, "region \"L\" is left out"),
+        (
+            both.replace("0.5", "0,5"),
+            2,
+            "3 numbers with a decimal comma",
+        ),
+        (
+            both[..both.len() - 30].to_owned(),
+            2,
+            "breaks off in line 2, within 4 elements",
+        ),
+        (
+            both[..both.find("ysize").unwrap()].to_owned() + "ysize=\"1\"/>",
+            1,
+            "within 3 elements",
+        ),
+    ] {
+        let file = folder.holding("a.xml", text.as_bytes());
+        let told = imported(&folder, &file);
+        assert_eq!(told["panels"], panels, "{words}: {told}");
+        assert!(remarks(&told).contains(words), "{words}: {told}");
+        assert_eq!(remarks(&told).is_empty(), words.is_empty(), "{told}");
+    }
+    for (text, words) in [
+        (text("gone.pfm", "gone.pfm"), "\"gone.pfm\" cannot be read"),
+        (text("warp/w.pfm", "../w.pfm"), "names no file in"),
+    ] {
+        let file = folder.holding("a.xml", text.as_bytes());
+        let out = folder.name("never.toml");
+        refused(1, &["panels", "import", &file, "--out", &out], &[words]);
+    }
+}
+
+#[test]
+fn what_is_mended_of_a_wall_is_told() {
+    let folder = Folder::new();
+    let wall = "v -2 -1 -3\nv 2 -1 -3\nv 2 1 -3\nv -2 1 -3\nv nan 0 0\nf 1 2 3 4\nf 1 2 5\n";
+    let file = folder.holding("wall.obj", wall.as_bytes());
+    let out = folder.name("wall.toml");
+    let projector = "p at=0,0,0 pixels=64x32 throw=0.75";
+    let told = json(&[
+        "panels",
+        "import",
+        &file,
+        "--out",
+        &out,
+        "--projector",
+        projector,
+    ]);
+    assert!(
+        remarks(&told).contains("NaN or infinite are left out: 1"),
+        "{told}"
+    );
+}

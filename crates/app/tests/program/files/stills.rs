@@ -1,6 +1,7 @@
 //! Are pictures as people have them shown, and are repairs reported?
 
 use super::film_file::coded;
+use super::odd_stills::{self, remarks};
 use crate::support::{Folder, Rgb, done, foveal, frame_picture, json, refused};
 use ffmpeg_next::format::Pixel;
 use image_webp::{ColorType, WebPEncoder};
@@ -396,4 +397,153 @@ fn flat_content_keeps_its_shape_in_a_view_of_another() {
         );
         assert!(view == "64x32" || shown.at([0, 0]) == [0; 3], "{view}");
     }
+}
+
+/// An uncompressed OpenEXR picture of 32 x 32 samples a channel, by channel, column and row.
+fn exr(channels: &[&str], sample: impl Fn(&str, u32, u32) -> f32) -> Vec<u8> {
+    let attribute = |name: &str, kind: &str, inside: &[u8]| {
+        let length = (inside.len() as u32).to_le_bytes();
+        let names = [name, "\0", kind, "\0"].concat();
+        [names.as_bytes(), &length, inside].concat()
+    };
+    let channel = |name: &&str| {
+        let numbers = [2_u32, 0, 1, 1].map(u32::to_le_bytes);
+        [name.as_bytes(), b"\0", numbers.as_flattened()].concat()
+    };
+    let list: Vec<u8> = channels.iter().flat_map(channel).chain([0]).collect();
+    let window = [0_u32, 0, 31, 31].map(u32::to_le_bytes);
+    let one = 1.0_f32.to_le_bytes();
+    let mut bytes = b"\x76\x2f\x31\x01\x02\0\0\0".to_vec();
+    for (name, kind, inside) in [
+        ("channels", "chlist", &list[..]),
+        ("compression", "compression", &[0]),
+        ("dataWindow", "box2i", window.as_flattened()),
+        ("displayWindow", "box2i", window.as_flattened()),
+        ("lineOrder", "lineOrder", &[0]),
+        ("pixelAspectRatio", "float", &one),
+        ("screenWindowCenter", "v2f", &[0; 8]),
+        ("screenWindowWidth", "float", &one),
+    ] {
+        bytes.extend(attribute(name, kind, inside));
+    }
+    bytes.push(0);
+    let row = 32 * 4 * channels.len();
+    let first = bytes.len() + 32 * 8;
+    bytes.extend((0..32).flat_map(|y| ((first + y * (8 + row)) as u64).to_le_bytes()));
+    for y in 0..32 {
+        bytes.extend([y, row as u32].map(u32::to_le_bytes).as_flattened());
+        for name in channels {
+            bytes.extend((0..32).flat_map(|x| sample(name, x, y).to_le_bytes()));
+        }
+    }
+    bytes
+}
+
+/// Red, green and blue of four quarters of 32 x 32, as light.
+fn light(x: u32, y: u32) -> [f32; 3] {
+    let colours = [
+        [0.9, 0.1, 0.1],
+        [0.1, 0.9, 0.1],
+        [0.1, 0.1, 0.9],
+        [0.9, 0.9, 0.1],
+    ];
+    colours[usize::from(x >= 16) + 2 * usize::from(y >= 16)]
+}
+
+#[test]
+fn an_exr_shows_the_layer_with_the_whole_picture() {
+    let folder = Folder::new();
+    let of = |name: &str, x: u32, y: u32| match name.rsplit('.').next() {
+        Some("R" | "r") => light(x, y)[0],
+        Some("G" | "g") => light(x, y)[1],
+        Some("B" | "b") => light(x, y)[2],
+        _ => 1.0,
+    };
+    let blender = [
+        "AO.B",
+        "AO.G",
+        "AO.R",
+        "Combined.A",
+        "Combined.B",
+        "Combined.G",
+        "Combined.R",
+    ]
+    .map(|it| format!("ViewLayer.{it}"));
+    let blender = blender.each_ref().map(String::as_str);
+    for (channels, words) in [
+        (&["B", "G", "R"][..], ""),
+        (&["b", "g", "r"], ""),
+        (
+            &["diffuse.B", "diffuse.G", "diffuse.R"],
+            "its layer \\\"diffuse\\\" is shown",
+        ),
+        (
+            &blender,
+            "ViewLayer.Combined\\\" is shown, without 1 other layer",
+        ),
+    ] {
+        let file = folder.holding("a.exr", &exr(channels, of));
+        let (told, shown) = odd_stills::seen(&folder, &file, "32x32");
+        odd_stills::assert_quarters(&shown, channels[0]);
+        assert!(remarks(&told).contains(words), "{told}");
+        assert_eq!(
+            remarks(&told).contains("layer"),
+            !words.is_empty(),
+            "{told}"
+        );
+    }
+}
+
+#[test]
+fn an_exr_is_in_colour_or_names_the_rows_it_lacks() {
+    let folder = Folder::new();
+    let of = |name: &str, x: u32, y: u32| light(x, y)["RGB".find(name).unwrap_or(0)];
+    let chroma = |name: &str, x: u32, y: u32| {
+        let [red, green, blue] = light(x, y);
+        let luma = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+        match name {
+            "RY" => (red - luma) / luma,
+            "BY" => (blue - luma) / luma,
+            _ => luma,
+        }
+    };
+    let file = folder.holding("chroma.exr", &exr(&["BY", "RY", "Y"], chroma));
+    odd_stills::assert_quarters(&odd_stills::seen(&folder, &file, "32x32").1, "chroma");
+    let whole = exr(&["B", "G", "R"], of);
+    let row = 3 * 32 * 4 + 8;
+    let cut = &whole[..whole.len() - 10 * row - 7];
+    odd_stills::refuses(&folder, "cut.exr", cut, &["rows 21 to 31 of its 32 rows"]);
+    let mut damaged = whole.clone();
+    let at = whole.len() - 20 * row;
+    damaged[at..at + 2 * row].fill(0);
+    odd_stills::refuses(
+        &folder,
+        "damaged.exr",
+        &damaged,
+        &["missing", "of its 32 rows"],
+    );
+    let depth = exr(&["Z"], of);
+    odd_stills::refuses(
+        &folder,
+        "depth.exr",
+        &depth,
+        &["without a picture", "channels are Z"],
+    );
+}
+
+#[test]
+fn a_qoi_is_whole_or_refused_by_its_rows() {
+    let folder = Folder::new();
+    let mut bytes = b"qoif\0\0\0\x20\0\0\0\x20\x03\0".to_vec();
+    for pixel in odd_stills::quarters(32).chunks(3) {
+        bytes.push(0xfe);
+        bytes.extend(pixel);
+    }
+    bytes.extend([0, 0, 0, 0, 0, 0, 0, 1]);
+    odd_stills::assert_quarters(
+        &odd_stills::seen(&folder, &folder.holding("a.qoi", &bytes), "32x32").1,
+        "whole",
+    );
+    let cut = &bytes[..bytes.len() * 6 / 10];
+    odd_stills::refuses(&folder, "cut.qoi", cut, &["rows 19 to 31 of its 32 rows"]);
 }

@@ -12,7 +12,7 @@ use av::ffi;
 use ffmpeg_next as av;
 
 /// How lines of decoders begin after which the picture is not what it was meant to be.
-const OF_DECODERS: [&str; 8] = [
+const OF_DECODERS: [&str; 9] = [
     // HEVC: a picture that others lean on is not there.
     "Could not find ref with POC ",
     "CABAC_MAX_BIN : ",
@@ -25,6 +25,8 @@ const OF_DECODERS: [&str; 8] = [
     "error decoding picture",
     // GIF.
     "LZW decode failed",
+    // OpenEXR: rows that stay black.
+    "decode_block() failed.",
 ];
 /// How lines of readers of containers begin that have passed over something (FLV, ASF).
 const OF_CONTAINERS: [&str; 5] = [

@@ -5,7 +5,7 @@ use ffmpeg_next as av;
 use foveal_core::view::picture::Picture;
 
 use crate::read::deliver::FrameConversion;
-use crate::read::source::{SourceInfo, Transparency};
+use crate::read::source::{SourceInfo, Transparency, pixel_aspect};
 use crate::read::still::still_tags::StillTags;
 
 /// A still that is read, and handed out once.
@@ -25,34 +25,19 @@ impl DecodedStill {
         let mut conversion = FrameConversion::new(frame, tags.orientation, false)?;
         tags.notes.extend(conversion.light_as(frame, tags.power));
         let picture = conversion.picture(frame)?;
+        let format = frame.format().descriptor();
+        let names = (codec, format.map_or("unknown", |it| it.name()));
+        let aspect = pixel_aspect(frame.aspect_ratio(), 1);
+        let size = [picture.width, picture.height];
         let info = SourceInfo {
-            width: picture.width,
-            height: picture.height,
-            frame_rate: [25, 1],
-            frames: Some(1),
-            frames_told: None,
-            seconds: None,
-            colour: conversion.colour(),
-            spherical: None,
-            stereo: None,
-            tags,
-            broken_boxes: Vec::new(),
-            camera: None,
-            sound: None,
             transparency: conversion
                 .has_seen_through()
                 .then_some(Transparency::OverBlack),
-            pixel_aspect: None,
-            is_hdr: false,
-            is_interlaced: false,
-            codec: codec.to_owned(),
-            pixel_format: frame
-                .format()
-                .descriptor()
-                .map_or("unknown", |it| it.name())
-                .to_owned(),
-            bytes,
-            looks_still: true,
+            pixel_aspect: aspect.map(|[w, h]| match tags.orientation.transpose {
+                true => [h, w],
+                false => [w, h],
+            }),
+            ..SourceInfo::of_still(size, conversion.colour(), names, tags, bytes)
         };
         Ok(Self {
             info,

@@ -71,31 +71,16 @@ impl HeifStill {
         };
         let aspect = heif.pixel_aspect.map(|sides| sides.map(|side| side as i32));
         let aspect = aspect.filter(|[w, h]| *w > 0 && *h > 0 && w != h && w / h < 8 && h / w < 8);
+        let size = [picture.width, picture.height];
+        let names = ("av1", shown.format.as_str());
         let info = SourceInfo {
-            width: picture.width,
-            height: picture.height,
-            frame_rate: [25, 1],
-            frames: Some(1),
-            frames_told: None,
-            seconds: None,
-            colour: shown.colour,
-            spherical: None,
-            stereo: None,
-            tags,
-            broken_boxes: Vec::new(),
-            camera: None,
-            sound: None,
             transparency: shown.is_clear.then_some(Transparency::OverBlack),
             pixel_aspect: aspect.map(|[w, h]| match heif.orientation.transpose {
                 true => [h, w],
                 false => [w, h],
             }),
             is_hdr: shown.is_hdr,
-            is_interlaced: false,
-            codec: "av1".to_owned(),
-            pixel_format: shown.format,
-            bytes,
-            looks_still: true,
+            ..SourceInfo::of_still(size, shown.colour, names, tags, bytes)
         };
         Ok(Some(Self {
             info,

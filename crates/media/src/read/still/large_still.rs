@@ -85,31 +85,8 @@ impl LargeStill {
                  a picture as large: it looks darker or brighter than it is meant"
             )
         }));
-        let is_hdr = tags.is_hdr;
-        let [width, height] = tags.orientation.turned_size(size);
-        let info = SourceInfo {
-            width,
-            height,
-            frame_rate: [25, 1],
-            frames: Some(1),
-            frames_told: None,
-            seconds: None,
-            colour: COLOUR,
-            spherical: None,
-            stereo: None,
-            tags,
-            broken_boxes: Vec::new(),
-            camera: None,
-            sound: None,
-            transparency: None,
-            pixel_aspect: None,
-            is_hdr,
-            is_interlaced: false,
-            codec: codec.to_owned(),
-            pixel_format: "rgb24".to_owned(),
-            bytes,
-            looks_still: true,
-        };
+        let size = tags.orientation.turned_size(size);
+        let info = SourceInfo::of_still(size, COLOUR, (codec, "rgb24"), tags, bytes);
         Some(Self {
             path: path.to_owned(),
             kind,

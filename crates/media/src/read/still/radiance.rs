@@ -27,10 +27,20 @@ const MOST_A_BYTE: usize = 1 << 12;
 /// Widths of rows whose components may be stored one after another.
 const BY_COMPONENT: std::ops::Range<usize> = 8..1 << 15;
 
+/// Red, green and blue of Radiance from X, Y and Z of CIE, whose equal parts are white (G. Ward,
+/// "Real Pixels", Graphics Gems II, 1991, and the primaries of Radiance).
+const RGB_FROM_XYZ: [[f32; 3]; 3] = [
+    [2.5653, -1.1668, -0.3984],
+    [-1.0221, 1.9783, 0.0438],
+    [0.0747, -0.2519, 1.1772],
+];
+
 /// Red, green, blue and exponent of every pixel, row by row from above.
 struct Radiance {
     size: [usize; 2],
     pixels: Vec<[u8; 4]>,
+    /// Whether pixels are X, Y and Z of CIE.
+    is_xyz: bool,
     orientation: Orientation,
 }
 
@@ -65,15 +75,18 @@ impl Radiance {
             Ok::<_, String>(String::from_utf8_lossy(line).trim().to_owned())
         };
         // Variables, an empty line, then the size.
-        let mut lines = 0;
+        let (mut lines, mut is_xyz) = (0, false);
         loop {
             let line = line()?;
             lines += 1;
             if line.is_empty() {
                 break;
             }
-            if line.to_ascii_uppercase().starts_with("FORMAT=") && !line.contains("rgbe") {
-                return Err(format!("its samples are {line}, not 32-bit_rle_rgbe"));
+            if line.to_ascii_uppercase().starts_with("FORMAT=") {
+                is_xyz = line.contains("xyze");
+                if !is_xyz && !line.contains("rgbe") {
+                    return Err(format!("its samples are {line}, not 32-bit_rle_rgbe"));
+                }
             }
             if lines > 1000 {
                 return Err("its header has no end".to_owned());
@@ -98,6 +111,7 @@ impl Radiance {
         Ok(Self {
             size,
             pixels,
+            is_xyz,
             orientation,
         })
     }
@@ -110,7 +124,11 @@ impl Radiance {
             let rows = frame.data_mut(plane).chunks_mut(stride);
             for (row, pixels) in rows.zip(self.pixels.chunks(self.size[0])) {
                 for (sample, pixel) in row.chunks_exact_mut(4).zip(pixels) {
-                    let light = light_of(pixel[component], pixel[3]);
+                    let own = [0, 1, 2].map(|k| light_of(pixel[k], pixel[3]));
+                    let light = match self.is_xyz {
+                        true => (0..3).map(|k| RGB_FROM_XYZ[component][k] * own[k]).sum(),
+                        false => own[component],
+                    };
                     sample.copy_from_slice(&light.to_le_bytes());
                 }
             }
@@ -236,6 +254,13 @@ mod tests {
             [[5, 6, 7, 1], [5, 6, 7, 128]]
         );
         assert_eq!(light_of(128, 129), 1.0);
+        let white: f32 = RGB_FROM_XYZ.iter().flatten().sum();
+        assert!((white - 3.0).abs() < 1e-3, "{white}");
+        assert!(
+            Radiance::of(b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n\x09\x08\x07\x81")
+                .unwrap()
+                .is_xyz
+        );
         for end in 0..runs.len() {
             assert!(of("-Y 1 +X 9", &runs[..end]).is_err(), "{end}");
         }

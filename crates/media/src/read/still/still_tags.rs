@@ -3,7 +3,7 @@
 //! EXIF of JPEG, PNG, WebP and TIFF files says which way is up, XMP of JPEG and PNG files (before
 //! the pixels) whether the picture is of a sphere.
 
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use exif::{In, Reader, Tag};
@@ -11,12 +11,17 @@ use zune_jpeg::JpegDecoder;
 
 use crate::plain_file::open_plain;
 use crate::read::orientation::Orientation;
+use crate::read::still::png_palette::beyond_palette;
 use crate::read::still::png_says::PngSays;
 use crate::read::still::tiff_head::TiffHead;
+use crate::read::still::webp_says::WebPSays;
 use crate::surround::photo_sphere::PhotoSphere;
 
 /// What text chunk of a PNG file holds XMP.
 const XMP_OF_PNG: &str = "XML:com.adobe.xmp";
+
+/// What is said of a JPEG without EXIF that has no end, of which only that end is missing.
+const NO_END: &str = "Broken JPEG file";
 
 /// What a file says, and what of it cannot be read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -62,15 +67,19 @@ impl StillTags {
             Kind::Png => {
                 let says = PngSays::read(file);
                 (tags.power, tags.is_hdr) = (says.power, says.is_hdr);
+                tags.broken.extend(beyond_palette(file));
                 orientation_of(
                     says.exif
                         .map(|it| Reader::new().continue_on_error(true).read_raw(it)),
                 )
             }
             Kind::BigTiff => orientation_of(None),
-            Kind::WebP => orientation_of(
-                exif_of_webp(file).map(|it| Reader::new().continue_on_error(true).read_raw(it)),
-            ),
+            Kind::WebP => {
+                let says = WebPSays::read(file);
+                tags.broken.extend(says.other_canvas());
+                let exif = says.exif;
+                orientation_of(exif.map(|it| Reader::new().continue_on_error(true).read_raw(it)))
+            }
             Kind::Jpeg | Kind::Tiff => orientation_of(Some(
                 Reader::new()
                     .continue_on_error(true)
@@ -133,7 +142,7 @@ fn orientation_of(
     };
     let (exif, broken) = match read {
         Ok(exif) => (exif, None),
-        Err(exif::Error::NotFound(_)) => return Ok(upright),
+        Err(exif::Error::NotFound(_) | exif::Error::InvalidFormat(NO_END)) => return Ok(upright),
         Err(exif::Error::PartialResult(part)) => {
             let (exif, errors) = part.into_inner();
             let why = errors.first().map(ToString::to_string);
@@ -156,31 +165,6 @@ fn orientation_of(
             broken.unwrap_or_else(unknown),
         )),
     }
-}
-
-/// The EXIF of a WebP, however long that says it is.
-fn exif_of_webp(file: &mut (impl BufRead + Seek)) -> Option<Vec<u8>> {
-    /// What some writers put before it.
-    const HEAD: &[u8] = b"Exif\0\0";
-    const MOST_CHUNKS: u32 = 4096;
-    const MOST_BYTES: u64 = 1 << 20;
-    let mut at = 12;
-    for _ in 0..MOST_CHUNKS {
-        file.seek(SeekFrom::Start(at)).ok()?;
-        let mut head = [0; 8];
-        file.read_exact(&mut head).ok()?;
-        let length = u64::from(u32::from_le_bytes(*head[4..].first_chunk()?));
-        if head.starts_with(b"EXIF") && length <= MOST_BYTES {
-            let mut exif = Vec::new();
-            file.take(length).read_to_end(&mut exif).ok()?;
-            return Some(match exif.strip_prefix(HEAD) {
-                Some(rest) => rest.to_vec(),
-                None => exif,
-            });
-        }
-        at += 8 + length + length % 2;
-    }
-    None
 }
 
 /// What has been read is kept where the decoder refuses what follows.

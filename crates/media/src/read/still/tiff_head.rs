@@ -37,12 +37,17 @@ const SIGNED: u16 = 2;
 const FLOATS: u16 = 3;
 /// Kinds of colour: CIE L*a*b* in three ways.
 const LAB: [u16; 3] = [8, 9, 10];
+/// Kinds of colour up to this one are shown: those of TIFF 6.0.
+const MOST_COLOUR: u16 = 8;
+/// Kinds of pictures: a smaller one of another, and a mask of one.
+const SMALLER: u64 = 1;
+const MASK: u64 = 4;
 /// Samples of more bits are measurements.
 const MOST_BITS: u16 = 16;
 /// An extra sample that is alpha by which colours are multiplied already.
 const MULTIPLIED: u16 = 1;
 
-/// What the first picture of a file is.
+/// What the first picture of full size of a file is, else the first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TiffHead {
     is_big: bool,
@@ -62,8 +67,10 @@ pub struct TiffHead {
     pub(crate) pages: u32,
     /// Where the last of its coded data ends.
     end: u64,
-    /// Whether the first picture is a smaller one of another, as of raw files of cameras.
+    /// Whether the picture is a smaller one of another, as of raw files of cameras.
     is_preview: bool,
+    /// The number of its directory, counted from 0.
+    pub(crate) number: usize,
 }
 
 /// Reads numbers of a file at places in it.
@@ -160,8 +167,47 @@ impl TiffHead {
             is_low_first,
         };
         let first = places.number(if is_big { 8 } else { 4 }, places.place_bytes())?;
+        let (entries, mut next) = places.directory(first)?;
+        let mut found = Self::of_directory(&mut places, &entries)?;
+        let mut pages = 1;
+        let mut seen = HashSet::from([0, first]);
+        while seen.insert(next) && seen.len() < MOST_PAGES as usize {
+            let Some((entries, after)) = places.directory(next) else {
+                break;
+            };
+            let kind = kind_of(&mut places, &entries);
+            let is_page = kind & (SMALLER | MASK) == 0;
+            // Samples of a camera's sensor are no colours.
+            let is_better = |it: &Self| {
+                let is_larger = (0..2).all(|k| it.size[k] > found.size[k]);
+                let is_alike = (0..2).all(|k| it.size[k] >= found.size[k]);
+                it.colour <= MOST_COLOUR && (is_larger || is_page && is_alike)
+            };
+            let other = (kind & MASK == 0 && found.is_preview)
+                .then(|| Self::of_directory(&mut places, &entries))
+                .flatten()
+                .filter(is_better);
+            match other {
+                Some(whole) => {
+                    let number = seen.len() - 2;
+                    found = Self {
+                        number,
+                        is_preview: false,
+                        ..whole
+                    };
+                }
+                None => pages += u32::from(is_page),
+            }
+            next = after;
+        }
+        found.pages = pages;
+        Some(found)
+    }
+
+    /// Of a directory with entries at these places.
+    fn of_directory(places: &mut Places<'_, impl Read + Seek>, entries: &[u64]) -> Option<Self> {
         let mut found = Self {
-            is_big,
+            is_big: places.is_big,
             size: [0; 2],
             bits: 1,
             compression: 1,
@@ -175,31 +221,22 @@ impl TiffHead {
             pages: 0,
             end: 0,
             is_preview: false,
+            number: 0,
         };
-        let (entries, mut next) = places.directory(first)?;
         let (mut begins, mut lengths) = (Vec::new(), Vec::new());
-        for at in entries {
+        for at in entries.iter().copied() {
             match places.number(at, 2)? {
                 273 | 324 => begins = places.values(at).unwrap_or_default(),
                 279 | 325 => lengths = places.values(at).unwrap_or_default(),
                 _ => {}
             }
-            found.take(&mut places, at);
+            found.take(places, at);
         }
         let ends = begins
             .iter()
             .zip(&lengths)
             .map(|(at, length)| at.saturating_add(*length));
         found.end = ends.max().unwrap_or(0);
-        found.pages = 1;
-        let mut seen = HashSet::from([0, first]);
-        while seen.insert(next) && seen.len() < MOST_PAGES as usize {
-            let Some((entries, after)) = places.directory(next) else {
-                break;
-            };
-            found.pages += u32::from(is_page(&mut places, &entries));
-            next = after;
-        }
         Some(found)
     }
 
@@ -208,7 +245,7 @@ impl TiffHead {
         let value = places.value(at)?;
         let small = u16::try_from(value).ok();
         match tag {
-            254 => self.is_preview = value & 1 != 0,
+            254 => self.is_preview = value & SMALLER != 0,
             256 => self.size[0] = value,
             257 => self.size[1] = value,
             258 => self.bits = small?,
@@ -227,7 +264,8 @@ impl TiffHead {
 
     /// Whether FFmpeg shows it as it is.
     pub(crate) fn is_for_ffmpeg(&self) -> bool {
-        !self.is_big
+        self.number == 0
+            && !self.is_big
             && !self.is_tiled
             && OF_FFMPEG.contains(&self.compression)
             && ![SIGNED, FLOATS].contains(&self.format)
@@ -289,6 +327,10 @@ impl TiffHead {
                         develop the raw file of a camera with `darktable-cli FILE OUT.png`";
             return Some(what.to_owned());
         }
+        if self.number > 0 {
+            let what = "its first picture is a smaller one of another, which is shown";
+            return Some(what.to_owned());
+        }
         (self.pages > 1).then(|| {
             format!(
                 "its first of {} pages is shown; `magick FILE PAGE-%d.png` writes each",
@@ -298,14 +340,12 @@ impl TiffHead {
     }
 }
 
-/// Whether a directory is of a page: not of a smaller picture or a mask of another.
-fn is_page(places: &mut Places<'_, impl Read + Seek>, entries: &[u64]) -> bool {
+/// What kind of picture a directory is of: 0, or the sum of [`SMALLER`] and the like.
+fn kind_of(places: &mut Places<'_, impl Read + Seek>, entries: &[u64]) -> u64 {
     const KIND: u64 = 254;
-    const SMALLER_OR_MASK: u64 = 1 | 4;
     let is_kind = |places: &mut Places<'_, _>, at: u64| places.number(at, 2) == Some(KIND);
     let found = entries.iter().find(|at| is_kind(places, **at)).copied();
-    let kind = found.and_then(|at| places.value(at)).unwrap_or(0);
-    kind & SMALLER_OR_MASK == 0
+    found.and_then(|at| places.value(at)).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -369,6 +409,17 @@ mod tests {
         assert_eq!(head(&[page]).pages_note(), None);
         assert_eq!(head(&[page, smaller]).pages, 1);
         assert_eq!(head(&[page, smaller, page]).pages, 2);
+        // Where a smaller one comes first, the other is meant.
+        let behind = head(&[smaller, smaller, page]);
+        assert_eq!((behind.number, behind.size, behind.pages), (2, [4, 3], 1));
+        assert!(!behind.is_for_ffmpeg());
+        assert!(behind.pages_note().unwrap().contains("which is shown"));
+        assert_eq!(head(&[smaller, smaller]).number, 0);
+        // One that is larger is no smaller one, whatever it says; samples of a sensor stay aside.
+        let larger: &[(u16, u16)] = &[(254, 1), (256, 9), (257, 9)];
+        assert_eq!(head(&[smaller, larger]).number, 1);
+        let sensor: &[(u16, u16)] = &[(256, 9), (257, 9), (262, 32_803)];
+        assert_eq!(head(&[smaller, sensor]).number, 0);
         // One that leads back to itself.
         let mut round = tiff(&[page, page]);
         let end = round.len() - 4;

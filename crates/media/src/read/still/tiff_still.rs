@@ -119,6 +119,9 @@ fn decoded(file: &mut BufReader<std::fs::File>, head: &TiffHead) -> Result<Video
     file.rewind()
         .map_err(|error| Refusal::Broken(error.to_string()))?;
     let mut decoder = Decoder::new(file).map_err(why)?.with_limits(limits);
+    if head.number > 0 {
+        decoder.seek_to_image(head.number).map_err(why)?;
+    }
     let colour = decoder.colortype().map_err(why)?;
     let (w, h) = decoder.dimensions().map_err(why)?;
     let samples = decoder.read_image().map_err(why)?;
@@ -170,7 +173,7 @@ impl Samples {
         }
     }
 
-    /// A frame of 16-bit samples.
+    /// A frame of 16-bit samples, or of 8-bit ones where no more are stored.
     fn words<T: Copy>(
         &self,
         codes: &[T],
@@ -181,10 +184,14 @@ impl Samples {
         if !is_whole || codes.len() < samples * self.size[0] as usize * self.size[1] as usize {
             return None;
         }
-        let format = match order.len() {
-            4 => Pixel::RGBA64LE,
-            _ => Pixel::RGB48LE,
+        let is_small = self.colour.bit_depth() == 8;
+        let format = match (order.len(), is_small) {
+            (4, true) => Pixel::RGBA,
+            (4, false) => Pixel::RGBA64LE,
+            (_, true) => Pixel::RGB24,
+            (_, false) => Pixel::RGB48LE,
         };
+        let bytes = if is_small { 1 } else { 2 };
         let mut frame = match new_frame(format, self.size) {
             Ok(frame) => frame,
             Err(why) => return Some(Err(Refusal::Broken(why))),
@@ -193,7 +200,7 @@ impl Samples {
         let rows = frame.data_mut(0).chunks_mut(stride);
         for (row, own) in rows.zip(codes.chunks_exact(samples * width)) {
             for (to, own) in row
-                .chunks_exact_mut(2 * order.len())
+                .chunks_exact_mut(bytes * order.len())
                 .zip(own.chunks_exact(samples))
             {
                 let mut colours = [0; 4];
@@ -205,8 +212,11 @@ impl Samples {
                     ColorType::CMYK(_) => without_ink(colours, word(own[3])),
                     _ => colours,
                 };
-                for (to, colour) in to.chunks_exact_mut(2).zip(colours) {
-                    to.copy_from_slice(&colour.to_le_bytes());
+                for (to, colour) in to.chunks_exact_mut(bytes).zip(colours) {
+                    match is_small {
+                        true => to[0] = (u32::from(colour) + 128).div_euclid(257) as u8,
+                        false => to.copy_from_slice(&colour.to_le_bytes()),
+                    }
                 }
             }
         }

@@ -230,29 +230,16 @@ impl WebPFilm {
     fn info(&self, bytes: u64, is_transparent: bool) -> SourceInfo {
         let frames = self.frames.len() as u64;
         let length_ms = self.frames.iter().map(|it| u64::from(it.shown_ms)).sum();
+        let names = ("webp", if self.has_alpha { "rgba" } else { "rgb24" });
         SourceInfo {
-            width: self.size[0],
-            height: self.size[1],
             // As many pictures a second as on average.
             frame_rate: reduced(frames * 1000, length_ms),
             frames: Some(frames),
             frames_told: Some(frames),
             seconds: Some(length_ms as f64 / 1e3),
-            colour: COLOUR,
-            spherical: None,
-            stereo: None,
-            tags: StillTags::default(),
-            broken_boxes: Vec::new(),
-            camera: None,
-            sound: None,
             transparency: is_transparent.then_some(Transparency::OverBlack),
-            pixel_aspect: None,
-            is_hdr: false,
-            is_interlaced: false,
-            codec: "webp".to_owned(),
-            pixel_format: if self.has_alpha { "rgba" } else { "rgb24" }.to_owned(),
-            bytes,
             looks_still: frames == 1,
+            ..SourceInfo::of_still(self.size, COLOUR, names, StillTags::default(), bytes)
         }
     }
 }

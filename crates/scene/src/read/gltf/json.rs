@@ -402,16 +402,20 @@ impl GltfMaterial {
         factor.unwrap_or([1.0; 4])
     }
 
-    /// Whether it is drawn opaque but should be half transparent, or cut out as a whole.
-    pub(super) fn is_lost_alpha(&self) -> bool {
+    /// Whether it is never seen: it is wholly transparent, or cut out as a whole.
+    pub(super) fn is_hidden(&self) -> bool {
+        let alpha = self.own_factor()[3];
         match self.alpha_mode.as_deref() {
-            Some("BLEND") => true,
-            Some("MASK") => {
-                let alpha = self.own_factor()[3];
-                self.texture().is_none() && alpha < self.alpha_cutoff.unwrap_or(0.5)
-            }
+            Some("BLEND") => alpha <= 0.0,
+            // A texture can only take away from it.
+            Some("MASK") => alpha < self.alpha_cutoff.unwrap_or(0.5),
             _ => false,
         }
+    }
+
+    /// Whether it is drawn opaque but should be half transparent.
+    pub(super) fn is_lost_alpha(&self) -> bool {
+        self.alpha_mode.as_deref() == Some("BLEND") && !self.is_hidden()
     }
 
     /// The texture of its colour.

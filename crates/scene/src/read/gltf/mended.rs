@@ -20,6 +20,43 @@ const NUMBERS: [&[u8]; 12] = [
     b"NORMAL",
     b"COLOR_0",
 ];
+/// Members whose value is a whole number, or a list of such numbers.
+const WHOLE: [&[u8]; 34] = [
+    b"mesh",
+    b"skin",
+    b"camera",
+    b"material",
+    b"indices",
+    b"bufferView",
+    b"source",
+    b"sampler",
+    b"scene",
+    b"skeleton",
+    b"POSITION",
+    b"NORMAL",
+    b"TANGENT",
+    b"COLOR_0",
+    b"TEXCOORD_0",
+    b"TEXCOORD_1",
+    b"JOINTS_0",
+    b"WEIGHTS_0",
+    b"buffer",
+    b"byteOffset",
+    b"byteLength",
+    b"byteStride",
+    b"componentType",
+    b"count",
+    b"mode",
+    b"index",
+    b"texCoord",
+    b"target",
+    b"magFilter",
+    b"minFilter",
+    b"inverseBindMatrices",
+    b"nodes",
+    b"children",
+    b"joints",
+];
 /// Members whose value is a text, also where it looks like a number.
 const TEXTS: [&[u8]; 9] = [
     b"name",
@@ -169,6 +206,16 @@ impl Writer {
         before.is_some_and(|before| names.iter().any(|name| before.ends_with(name)))
     }
 
+    /// The same of a list with nothing but numbers up to here.
+    fn is_plain_list_of(&self, names: &[&[u8]]) -> bool {
+        let list = self.out.iter().rposition(|byte| b"[{".contains(byte));
+        let before = list.and_then(|at| self.out[..at].strip_suffix(b"\":"));
+        let name = |it: &[u8]| it.iter().rposition(|byte| *byte == b'"').map(|at| at + 1);
+        let is_list = list.is_some_and(|at| self.out[at] == b'[');
+        let said = before.and_then(|it| Some(&it[name(it)?..]));
+        is_list && said.is_some_and(|said| names.contains(&said))
+    }
+
     /// Whether the text that was written from a place on is a number, or true or false.
     fn is_number_from(&self, begun: usize) -> bool {
         let text = &self.out[begun + 1..self.out.len() - 1];
@@ -190,6 +237,8 @@ impl Writer {
             .and_then(|it| it.parse::<f64>().ok());
         let names_nothing = number.is_some_and(|it| it < 0.0) && self.names_one_of(&NUMBERS);
         let is_truth = matches!(word, b"0" | b"1") && self.names_one_of(&TRUTHS);
+        let has_point = word.iter().any(|byte| b".eE".contains(byte));
+        let is_asked = has_point && (self.names_one_of(&WHOLE) || self.is_plain_list_of(&WHOLE));
         let member = self.member.take();
         let is_none = word == b"null" || names_nothing || number.is_some_and(|it| !it.is_finite());
         if let (true, Some((start, _))) = (is_none, member) {
@@ -213,12 +262,9 @@ impl Writer {
                 };
                 self.out.push(neutral);
             }
-            Some(number)
-                if word.iter().any(|byte| b".eE".contains(byte))
-                    && number.fract() == 0.0
-                    && number.abs() < MOST_EXACT =>
-            {
-                self.mended += 1;
+            Some(number) if has_point && number.fract() == 0.0 && number.abs() < MOST_EXACT => {
+                // Elsewhere both are the same.
+                self.mended += usize::from(is_asked);
                 self.out.extend((number as i64).to_string().bytes());
             }
             _ => self.out.extend(word),
@@ -245,7 +291,12 @@ mod tests {
                 r#"{"a":[1,2.5,"x"],"b":{}}"#,
                 0,
             ),
-            (r#"{"count": 81.0, "e": 1e2}"#, r#"{"count":81,"e":100}"#, 2),
+            (r#"{"count": 81.0, "e": 1e2}"#, r#"{"count":81,"e":100}"#, 1),
+            (
+                r#"{"nodes": [0.0, 1.0, {"mesh": 2.0, "scale": [1.0]}]}"#,
+                r#"{"nodes":[0,1,{"mesh":2,"scale":[1]}]}"#,
+                3,
+            ),
             ("{\"uri\": \"a\nb\\\"c\"}", "{\"uri\":\"a b\\\"c\"}", 1),
             (r#"{"a": null, "b": 1, "c": null}"#, r#"{"b":1}"#, 3),
             (r#"{"a": [null, 1]}"#, r#"{"a":[null,1]}"#, 0),

@@ -17,6 +17,8 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ops::Range;
 
+use foveal_core::units::counted;
+
 use super::error::Fault;
 use super::image::transparent;
 use super::mends::{Mends, VIEW_CUT, VIEW_EMPTY};
@@ -173,7 +175,10 @@ impl ToldOfFile {
     fn tell(&self, short: usize, scene: &mut SourceScene) {
         count(&mut scene.repairs, "json_mended", self.mended);
         if self.mended > 0 {
-            scene.remark("the JSON of the file breaks its rules in places, which were mended");
+            let places = counted(self.mended as u64, "place");
+            scene.remark(format!(
+                "the JSON of the file breaks its rules in {places}, which were mended"
+            ));
         }
         if let Some(length) = &self.length {
             count(&mut scene.repairs, "lengths_mended", 1);
@@ -258,6 +263,8 @@ fn material(said: &GltfMaterial) -> Material {
     let mut colour = said.factor().map(|part| part.clamp(0.0, 1.0) as f32);
     if is_opaque(said) {
         colour[3] = 1.0;
+    } else if said.is_hidden() {
+        colour[3] = 0.0;
     }
     Material {
         name: said.name.clone().unwrap_or_default(),
@@ -299,29 +306,30 @@ fn add_remarks<'a>(
 
 /// Says what of materials is not drawn.
 fn add_remarks_of_materials(scene: &mut SourceScene, document: &Document) {
-    let any = |has: fn(&GltfMaterial) -> bool| document.materials.iter().any(has);
+    let times =
+        |has: fn(&GltfMaterial) -> bool| document.materials.iter().filter(|it| has(it)).count();
     let metal = |it: &GltfMaterial| it.pbr_metallic_roughness.metal.is_some();
-    for (is_lost, remark) in [
+    for (lost, remark) in [
         (
-            any(|it| it.normal_texture.is_some()),
+            times(|it| it.normal_texture.is_some()),
             "normal maps are not drawn",
         ),
-        (any(metal), "metal and roughness are not drawn"),
+        (times(metal), "metal and roughness are not drawn"),
         (
-            any(|it| it.extensions.glossiness.is_some()),
+            times(|it| it.extensions.glossiness.is_some()),
             "gloss is not drawn",
         ),
         (
-            any(|it| it.occlusion_texture.is_some()),
+            times(|it| it.occlusion_texture.is_some()),
             "shade in occlusion maps is not drawn",
         ),
         (
-            any(|it| !it.is_light() && it.emitted().iter().any(|it| *it > 0.0)),
+            times(|it| !it.is_light() && it.emitted().iter().any(|it| *it > 0.0)),
             "light that surfaces give off is not drawn",
         ),
     ] {
-        if is_lost {
-            scene.remark(remark);
+        if lost > 0 {
+            scene.remark(format!("{remark}: {}", counted(lost as u64, "material")));
         }
     }
     let lost = document.materials.iter().filter(|it| it.is_lost_alpha());

@@ -4,7 +4,8 @@ use glam::{DAffine3, DMat4, DQuat, DVec3, DVec4};
 
 use super::super::error::Fault;
 use super::super::mends::{
-    Mends, NODE_IN_ITSELF, NODE_NOT_FOUND, NODE_SHARED, PLACE_MENDED, SCENE_NOT_FOUND,
+    Mends, NODE_IN_ITSELF, NODE_NOT_FOUND, NODE_PLACED_TWICE, NODE_SHARED, PLACE_MENDED,
+    SCENE_NOT_FOUND,
 };
 use super::super::place::{MOST_PLACES, too_many};
 use super::accessor::Accessors;
@@ -175,6 +176,8 @@ fn walk(document: &Document, mends: &mut Mends) -> Result<(Placed, Vec<DAffine3>
             return Err(too_many());
         }
         (met[node], is_above[node]) = (true, true);
+        let twice = usize::from(is_placed_twice(said));
+        mends.add(NODE_PLACED_TWICE, twice, || format!("is {}", place(node)));
         let (parent_from_node, wrong) = parent_from_node(said);
         if let Some(what) = wrong {
             mends.add(PLACE_MENDED, 1, || format!("is of {}: {what}", place(node)));
@@ -226,6 +229,19 @@ fn roots(document: &Document, mends: &mut Mends) -> Vec<u32> {
         true => all.take(1).collect(),
         false => free,
     }
+}
+
+/// Whether a node has a matrix and also says otherwise where it stands, other than as it would
+/// without.
+fn is_placed_twice(said: &Node) -> bool {
+    let moves = said
+        .translation
+        .as_deref()
+        .is_some_and(|it| *it != [0.0; 3]);
+    let turns = said.rotation.as_deref();
+    let turns = turns.is_some_and(|it| *it != [0.0, 0.0, 0.0, 1.0]);
+    let scales = said.scale.as_deref().is_some_and(|it| *it != [1.0; 3]);
+    said.matrix.is_some() && (moves || turns || scales)
 }
 
 /// Where a node stands below its parent, and what of that has no meaning.

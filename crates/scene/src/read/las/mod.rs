@@ -15,7 +15,7 @@ mod unpacking;
 use super::colour::mend_codes;
 use super::error::Fault;
 use super::outliers;
-use super::text::shortened;
+use super::text::{plain, shortened};
 use crate::source::{SourceCloud, SourceScene};
 use glam::DAffine3;
 use header::{LasHeader, is_place, is_step};
@@ -110,6 +110,7 @@ fn fit_to_bounds(
         let fitting = (high - low) / (reach[1] - reach[0]);
         let step = if is_step(scale) { scale } else { fitting };
         if !(is_step(step) && is_place(low) && low < high) {
+            let [scale, offset] = [scale, offset].map(plain);
             let what = format!(
                 "the scale {scale} and the offset {offset} along {name} are no grid, and no bounds \
                  show which is meant"
@@ -118,10 +119,10 @@ fn fit_to_bounds(
         }
         header.scale[k] = step;
         header.offset[k] = low - (reach[0] * step).min(reach[1] * step);
+        let [scale, offset, step, place] = [scale, offset, step, header.offset[k]].map(plain);
         mends.stale_count(format!(
             "the scale along {name} is {scale} and the offset {offset}, which is no grid: {step} \
-             and {} fit the bounds of all points",
-            header.offset[k]
+             and {place} fit the bounds of all points"
         ));
     }
     Ok(())

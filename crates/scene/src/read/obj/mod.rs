@@ -155,8 +155,8 @@ impl Reader<'_> {
             }
             "mtllib" => self.read_library(words),
             "curv" | "curv2" | "surf" => {
-                let remark = "curves and free-form surfaces of OBJ are not drawn";
-                self.scene.remark(remark);
+                let place = || format!("in line {}", words.line);
+                self.mends.add(mends::CURVE_LEFT, 1, place);
                 Ok(())
             }
             "#mrgb" => {
@@ -191,7 +191,8 @@ impl Reader<'_> {
             before = word;
         }
         if self.face.len() < 3 {
-            count(&mut self.scene.repairs, "faces_under_three_corners", 1);
+            let place = || format!("in line {}", words.line);
+            self.mends.add(mends::SHORT_FACE, 1, place);
             return Ok(());
         }
         let material = match self.material {

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::super::colour::{Brightness, linear_from_encoded};
 use super::super::error::Fault;
-use super::super::mends::{MAP_OPTION_LEFT, MATERIAL_TWICE, Mends, SPECTRUM_LEFT};
+use super::super::mends::{MAP_OPTION_LEFT, MATERIAL_TWICE, Mends, OPACITY_TWICE, SPECTRUM_LEFT};
 use super::super::sound::count;
 use super::super::text::{Words, lines, shortened};
 use crate::source::{Material, Repairs};
@@ -41,6 +41,8 @@ struct Said {
     emitted: [f32; 3],
     /// How `Kd` is read.
     taken: Option<Brightness>,
+    /// What `d` and `Tr` say of how opaque it is.
+    opacities: [Option<f32>; 2],
     /// `map_Kd`, and whether there is a `map_d`.
     picture: Option<MapOptions>,
     is_seen_through: bool,
@@ -201,9 +203,13 @@ impl Library {
                 others: [ambient, light],
                 emitted,
                 taken,
+                opacities,
                 mut picture,
                 is_seen_through,
             } = said;
+            let [opacity, other] = opacities;
+            let is_told_twice = opacity.zip(other).is_some_and(|(a, b)| a != b);
+            material.colour[3] = opacity.or(other).unwrap_or(material.colour[3]);
             if let Some((repair, what)) = taken.and_then(|it| it.told("`Kd`")) {
                 self.mend(repair, &material, &what);
             }
@@ -235,6 +241,8 @@ impl Library {
             let is_changed = picture.as_ref().is_some_and(|it| it.is_changed);
             self.mends
                 .add(MAP_OPTION_LEFT, usize::from(is_changed), place);
+            self.mends
+                .add(OPACITY_TWICE, usize::from(is_told_twice), place);
             let before = self.materials.get(&material.name);
             let is_other = before.is_some_and(|it| *it != material)
                 || before.is_some() && self.pictures.get(&material.name) != picture.as_ref();
@@ -309,10 +317,10 @@ fn read_property(said: &mut Said, keyword: &str, words: &mut Words<'_>) -> Resul
             }
         }
         "d" if !words.rest().starts_with('-') => {
-            material.colour[3] = words.number("`d`")?.clamp(0.0, 1.0) as f32;
+            said.opacities[0] = Some(words.number("`d`")?.clamp(0.0, 1.0) as f32);
         }
         "tr" => {
-            material.colour[3] = 1.0 - words.number("`Tr`")?.clamp(0.0, 1.0) as f32;
+            said.opacities[1] = Some(1.0 - words.number("`Tr`")?.clamp(0.0, 1.0) as f32);
         }
         _ => {}
     }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::super::image::transparent;
+use super::super::image::{hidden, transparent};
 use super::super::mends::{BLACK_UNDER_COLOURS, TEXTURE_WITHOUT_UVS};
 use super::super::text::shortened;
 use super::Reader;
@@ -90,7 +90,7 @@ impl Reader<'_> {
                     .or_insert_with(|| transparent::is_seen_through(&image.bytes))
             });
             let by_map = self.library.seen_through.contains(&material.name);
-            if material.colour[3] < 1.0 || by_map || by_picture {
+            if !hidden::is_hidden(material) && (material.colour[3] < 1.0 || by_map || by_picture) {
                 transparent.push(&material.name);
             }
         }

@@ -8,6 +8,7 @@ mod colours;
 mod corners;
 mod header;
 mod numbers;
+mod order;
 
 use glam::{DAffine3, DVec3};
 
@@ -27,6 +28,7 @@ use numbers::Numbers;
 /// Reads a PLY file into one object called `name`.
 pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
     let mut header = PlyHeader::parse(bytes)?;
+    let is_turned = order::mend(&mut header, bytes);
     let mut reader = Reader::of(&header, bytes, 0)?;
     if let Some(other) = reader.other_count(&mut header, bytes)? {
         reader = other;
@@ -49,6 +51,9 @@ pub(super) fn read(bytes: &[u8], name: &str) -> Result<SourceScene, Fault> {
         );
         tell_black(name, true, &mut scene);
     }
+    let place = || "is that of the first vertex".to_owned();
+    let times = usize::from(is_turned);
+    reader.mends.add(mends::BYTE_ORDER, times, place);
     reader.take_colours(are_points, name, &mut scene);
     if are_points {
         let (positions, colours) = reader.points();
@@ -486,7 +491,7 @@ impl Reader {
 
     fn add_face(&mut self, corners: &[f64]) {
         if corners.len() < 3 {
-            count(&mut self.repairs, "faces_under_three_corners", 1);
+            count(&mut self.repairs, mends::SHORT_FACE.name, 1);
             return;
         }
         self.outline.clear();

@@ -303,6 +303,14 @@ pub(in crate::read) fn shortened(word: &str) -> String {
     one_line(&word.chars().take(40).collect::<String>())
 }
 
+/// A number for people, who read no hundreds of digits.
+pub(in crate::read) fn plain(number: f64) -> String {
+    match number == 0.0 || (1e-9..1e15).contains(&number.abs()) || !number.is_finite() {
+        true => number.to_string(),
+        false => format!("{number:e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

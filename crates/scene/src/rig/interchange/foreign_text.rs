@@ -146,3 +146,120 @@ pub(super) fn without_doctype(text: &str) -> Cow<'_, str> {
     text.replace_range(doctype, &blank);
     Cow::Owned(text)
 }
+
+/// The same with the ends of the elements in which it breaks off, and without a last tag or an
+/// element of text that is not whole.
+pub(super) fn closed<'a>(text: Cow<'a, str>, notes: &mut Vec<String>) -> Cow<'a, str> {
+    let Some((end, open)) = open_at_end(&text) else {
+        return text;
+    };
+    let line = line_number(&text, end);
+    let mut whole = text[..end].to_owned();
+    for name in open.iter().rev() {
+        whole.push_str("</");
+        whole.push_str(name);
+        whole.push('>');
+    }
+    let times = counted(open.len(), "element");
+    notes.push(format!(
+        "it breaks off in line {line}, within {times}: what stands before that is read"
+    ));
+    Cow::Owned(whole)
+}
+
+/// Where a document breaks off, and the elements that are open there; none where it has its end, or
+/// is none.
+fn open_at_end(text: &str) -> Option<(usize, Vec<&str>)> {
+    let sections = [
+        ("<!--", "-->"),
+        ("<![CDATA[", "]]>"),
+        ("<?", "?>"),
+        ("<!", ">"),
+    ];
+    let mut open: Vec<(&str, usize)> = Vec::new();
+    let (mut at, mut has_begun) = (0, false);
+    let mut end = loop {
+        let Some(begin) = text[at..].find('<').map(|it| at + it) else {
+            break text.len();
+        };
+        let rest = &text[begin..];
+        let section = sections.iter().find(|(start, _)| rest.starts_with(start));
+        let length = match section {
+            Some((_, end)) => rest.find(end).map(|it| it + end.len()),
+            None => tag_length(rest),
+        };
+        let Some(length) = length else {
+            break begin;
+        };
+        at = begin + length;
+        if section.is_some() {
+            continue;
+        }
+        let inside = &rest[1..length - 1];
+        if let Some(name) = inside.strip_prefix('/') {
+            // Elsewhere it is broken otherwise.
+            if open.pop().map(|it| it.0) != Some(name.trim()) {
+                return None;
+            }
+        } else if !inside.ends_with('/') {
+            open.push((inside.split(char::is_whitespace).next()?, begin));
+        }
+        has_begun = true;
+        if open.is_empty() {
+            return None;
+        }
+    };
+    // Of a text that breaks off, the rest is unknown.
+    if end == text.len()
+        && text[at..].contains(|it: char| !it.is_whitespace())
+        && let Some((_, begin)) = open.pop()
+    {
+        end = begin;
+    }
+    let open: Vec<&str> = open.into_iter().map(|it| it.0).collect();
+    (has_begun && !open.is_empty()).then_some((end, open))
+}
+
+/// Bytes of a tag up to its end, which no text in quotes is.
+fn tag_length(text: &str) -> Option<usize> {
+    let mut quote = None;
+    for (at, byte) in text.bytes().enumerate() {
+        match (quote, byte) {
+            (Some(open), _) if open == byte => quote = None,
+            (Some(_), _) => {}
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (None, b'>') => return Some(at + 1),
+            (None, _) => {}
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_document_that_breaks_off_is_closed_where_it_does() {
+        let whole = "<?xml version='1.0'?><a x='>'><!-- < --><b/><c>text</c></a>\n";
+        let told = |text: &str| {
+            let mut notes = Vec::new();
+            (closed(text.into(), &mut notes).into_owned(), notes.len())
+        };
+        assert_eq!(told(whole), (whole.to_owned(), 0));
+        for (cut, right) in [
+            ("<a x='>'><b/><c>te", "<a x='>'><b/></a>"),
+            ("<a x='>'><b/><c>text</", "<a x='>'><b/><c>text</c></a>"),
+            ("<a><b y='1", "<a></a>"),
+            ("<a><!-- ", "<a></a>"),
+        ] {
+            assert_eq!(told(cut), (right.to_owned(), 1));
+        }
+        for other in ["", "<a", "text", "<a></b>", "<a/> <b>"] {
+            assert_eq!(told(other), (other.to_owned(), 0));
+        }
+        for cut in 0..whole.len() {
+            told(&whole[..cut]);
+        }
+    }
+}

@@ -8,6 +8,7 @@ mod foreign_text;
 pub(super) mod mesh;
 pub(super) mod mpcdi;
 mod mpcdi_files;
+mod mpcdi_region;
 pub(super) mod projectors;
 mod space_map;
 mod warp_map;

@@ -3,32 +3,25 @@
 //! VESA, Multiple Projection Common Data Interchange 2.0 (2015). Writers disagree in the case of
 //! names, in where `fileset` stands, and in zipping at all: all of these are read.
 
+use foveal_core::units::counted;
 use foveal_core::view::panel::rig::{MOST_PANELS, Panel, Rig};
 
 use super::super::checked;
-use super::super::entries::{
-    EyeEntry, OutputEntry, PanelEntry, PoseEntry, PoseOrder, RigEntries, RigFormat, ScanoutEntry,
-    TangentsEntry,
-};
+use super::super::entries::{PoseEntry, RigEntries, RigFormat};
 use super::super::error::{RigFault, WrongKey};
 use super::super::pfm::{FloatMap, ReadBeside};
 use super::archive::Archive;
-use super::foreign_text::{without_doctype, xml_text_of};
+use super::foreign_text::{closed, without_doctype, xml_text_of};
 use super::mpcdi_files::{MpcdiFiles, MpcdiFilling, named};
+use super::mpcdi_region::MpcdiRegion;
 use super::space_map::SpaceMap;
 use super::warp_map::WarpMap;
-use super::xml::{XmlElement, parse};
+use super::xml::{Commas, XmlElement, parse};
 
 /// Most bytes of the document.
 const MOST_XML: u64 = 1 << 24;
 /// Most documents of an archive that are tried besides the first.
 const MOST_OTHERS: usize = 16;
-/// What of a share of a buffer rounding may add.
-const ROUNDED: f64 = 1e-3;
-/// Pixels by which a region may differ from its share of the buffer.
-const NEAR_SHARE: f64 = 1.5;
-/// Largest angle from the axis, in degrees.
-const WIDEST: f64 = 89.9;
 
 /// What an MPCDI describes.
 #[derive(Debug, PartialEq)]
@@ -84,7 +77,8 @@ fn is_mpcdi(bytes: &[u8]) -> bool {
     };
     let text = without_doctype(&text);
     let document = parse(&text);
-    document.is_ok_and(|document| XmlElement::root(&document).is_called("mpcdi"))
+    let commas = Commas::default();
+    document.is_ok_and(|document| XmlElement::root(&document, &commas).is_called("mpcdi"))
 }
 
 fn read_document(
@@ -94,11 +88,19 @@ fn read_document(
 ) -> Result<MpcdiRig, RigFault> {
     let (text, notes) = xml_text_of(bytes)?;
     let text = without_doctype(&text);
-    let document = parse(&text)?;
     let mut filling = MpcdiFilling::of(files, eye);
     filling.notes.extend(notes);
-    let rig = MpcdiDocument::of(XmlElement::root(&document))?.rig(&mut filling)?;
-    let notes = filling.notes;
+    let text = closed(text, &mut filling.notes);
+    let document = parse(&text)?;
+    let commas = Commas::default();
+    let rig = MpcdiDocument::of(XmlElement::root(&document, &commas))?.rig(&mut filling)?;
+    let mut notes = filling.notes;
+    if commas.times() > 0 {
+        let times = counted(commas.times(), "number");
+        notes.push(format!(
+            "{times} with a decimal comma: read as with a point"
+        ));
+    }
     Ok(MpcdiRig { rig, notes })
 }
 
@@ -118,26 +120,6 @@ struct MpcdiDocument<'a> {
     root: XmlElement<'a>,
     profile: MpcdiProfile,
     regions: Vec<MpcdiRegion<'a>>,
-}
-
-/// A region, its place in its buffer's picture and its pixels.
-struct MpcdiRegion<'a> {
-    element: XmlElement<'a>,
-    id: String,
-    surface: String,
-    /// Left, lower edge, width and height, as shares of the buffer.
-    part: [f64; 4],
-    size: [u32; 2],
-    /// First column and row.
-    origin: [u32; 2],
-    /// Width over height of the buffer.
-    aspect: f64,
-    /// Columns and rows of the buffer, where it gives them.
-    buffer: Option<[f64; 2]>,
-    /// Whether its own id names no file.
-    is_renamed: bool,
-    /// What was mended, in words.
-    notes: Vec<String>,
 }
 
 impl<'a> MpcdiDocument<'a> {
@@ -189,9 +171,15 @@ impl<'a> MpcdiDocument<'a> {
     fn rig(&self, filling: &mut MpcdiFilling<'_>) -> Result<Rig, RigFault> {
         let first = &self.regions[0];
         let screen = (self.profile == MpcdiProfile::Flat).then_some([first.aspect, 1.0]);
-        let spaces = self.regions.iter().map(|it| self.space_of(it, filling));
-        let spaces: Vec<Option<SpaceMap>> = spaces.collect::<Result<_, _>>()?;
-        let panels = self.regions.iter().zip(&spaces).map(|(region, space)| {
+        let mut regions = Vec::new();
+        let mut spaces = Vec::new();
+        for region in &self.regions {
+            if let Some(space) = self.space_of(region, filling)? {
+                regions.push(region);
+                spaces.push(space);
+            }
+        }
+        let panels = regions.iter().zip(&spaces).map(|(region, space)| {
             let (pose, tangents) = match (screen, space) {
                 (Some(screen), _) => (PoseEntry::default(), region.on_screen(screen)),
                 (None, Some(space)) => space.around(),
@@ -206,31 +194,51 @@ impl<'a> MpcdiDocument<'a> {
             screen,
             panel: panels.collect::<Result<_, RigFault>>()?,
         };
+        filling.check_left(regions.len())?;
         let nothing = |_: &str| Err("is not read".to_owned());
-        let mut rig =
-            checked::placed(&entries, &nothing).map_err(|wrong| self.fault(&wrong, &spaces))?;
+        let mut rig = checked::placed(&entries, &nothing)
+            .map_err(|wrong| self.fault(&wrong, &regions, &spaces))?;
         self.note_places(&rig.panels, &mut filling.notes);
         self.note_filesets(&mut filling.notes);
-        let all = self.regions.iter().zip(spaces).zip(&mut rig.panels);
-        for ((region, space), panel) in all {
-            let Some(set) = self.files_of(region) else {
-                continue;
-            };
-            filling.note_unread(&region.id, set);
-            let alpha = filling.shares((region.element, region.size), set, "alphaMap")?;
-            let warp = match (space, named(set, "geometryWarpFile")) {
-                (Some(space), _) => space.map,
-                (None, Some(warp)) => {
-                    let read = |map: &FloatMap<'_>| WarpMap::read(map, region.size);
-                    filling.floats((region.element, region.size), (warp, true), &read)?
-                }
-                (None, None) => WarpMap::Even,
-            };
-            let bent = warp.bend(panel, alpha);
-            bent.map_err(|what| set.fault("geometryWarpFile", what))?;
-            panel.black = filling.black((region.element, region.size), set)?;
+        let mut is_whole = Vec::with_capacity(regions.len());
+        for ((region, space), panel) in regions.iter().zip(spaces).zip(&mut rig.panels) {
+            is_whole.push(self.bend(region, space, panel, filling)?);
         }
+        let mut is_whole = is_whole.into_iter();
+        rig.panels.retain(|_| is_whole.next().unwrap_or(true));
+        filling.check_left(rig.panels.len())?;
         Ok(rig)
+    }
+
+    /// Bends and fades a panel as the files of its region say; `false` if it is to be left out.
+    fn bend(
+        &self,
+        region: &MpcdiRegion<'a>,
+        space: Option<SpaceMap>,
+        panel: &mut Panel,
+        filling: &mut MpcdiFilling<'_>,
+    ) -> Result<bool, RigFault> {
+        let Some(set) = self.files_of(region) else {
+            return Ok(true);
+        };
+        let sized = (region.element, region.size);
+        filling.note_unread(&region.id, set);
+        let alpha = filling.shares(sized, set, "alphaMap")?;
+        let warp = match (space, named(set, "geometryWarpFile")) {
+            (Some(space), _) => space.map,
+            (None, Some(warp)) => {
+                let read = |map: &FloatMap<'_>| WarpMap::read(map, region.size);
+                let Some(warp) = filling.floats(sized, (warp, true), &read)? else {
+                    return Ok(false);
+                };
+                warp
+            }
+            (None, None) => WarpMap::Even,
+        };
+        let bent = warp.bend(panel, alpha);
+        bent.map_err(|what| set.fault("geometryWarpFile", what))?;
+        panel.black = filling.black(sized, set)?;
+        Ok(true)
     }
 
     /// What is odd about the places of regions in their buffers, and stays as it is.
@@ -269,18 +277,18 @@ impl<'a> MpcdiDocument<'a> {
         }
     }
 
-    /// The points that a region lights, where a map gives them.
+    /// The points that a region lights, where a map gives them; none of a region that is left out.
     fn space_of(
         &self,
         region: &MpcdiRegion<'a>,
         filling: &mut MpcdiFilling<'_>,
-    ) -> Result<Option<SpaceMap>, RigFault> {
+    ) -> Result<Option<Option<SpaceMap>>, RigFault> {
         let profile = self.root.said("profile").unwrap_or_default();
         if !["a3", "sl"]
             .iter()
             .any(|it| profile.eq_ignore_ascii_case(it))
         {
-            return Ok(None);
+            return Ok(Some(None));
         }
         let set = self.files_of(region);
         let warp = set.and_then(|set| named(set, "geometryWarpFile"));
@@ -291,14 +299,13 @@ impl<'a> MpcdiDocument<'a> {
                                 it lights: export profile a3 or 3d";
                     Err(region.element.fault("geometryWarpFile", what))
                 }
-                _ => Ok(None),
+                _ => Ok(Some(None)),
             };
         };
         let eye = filling.eye_before(warp)?;
         let read = |map: &FloatMap<'_>| SpaceMap::read(map, region.size, eye);
-        filling
-            .floats((region.element, region.size), (warp, false), &read)
-            .map(Some)
+        let found = filling.floats((region.element, region.size), (warp, false), &read)?;
+        Ok(found.map(Some))
     }
 
     /// The files of a region: in it, else anywhere with its id.
@@ -361,12 +368,17 @@ impl<'a> MpcdiDocument<'a> {
     }
 
     /// What the check of a rig calls wrong, by the region that says it, or its map of points.
-    fn fault(&self, wrong: &WrongKey, spaces: &[Option<SpaceMap>]) -> RigFault {
+    fn fault(
+        &self,
+        wrong: &WrongKey,
+        regions: &[&MpcdiRegion<'a>],
+        spaces: &[Option<SpaceMap>],
+    ) -> RigFault {
         let number = wrong.key.strip_prefix("panel[");
         let number = number.and_then(|rest| rest.split_once(']'));
         let region = number.and_then(|(number, _)| number.parse::<usize>().ok());
         let at = region.and_then(|number| number.checked_sub(1));
-        let region = at.and_then(|at| self.regions.get(at));
+        let region = at.and_then(|at| regions.get(at));
         let is_by_map = at
             .and_then(|at| spaces.get(at))
             .is_some_and(Option::is_some);
@@ -381,219 +393,5 @@ impl<'a> MpcdiDocument<'a> {
             Some(region) => region.element.fault(name, &*wrong.what),
             None => self.root.fault("", &*wrong.what),
         }
-    }
-}
-
-fn count_of_pixels(element: XmlElement<'_>, name: &str, pixels: f64) -> Result<u32, RigFault> {
-    let whole = pixels.round();
-    if (pixels - whole).abs() > ROUNDED || !(1.0..=1e6).contains(&whole) {
-        return Err(element.fault(name, format!("{pixels} is not a count of pixels")));
-    }
-    Ok(whole as u32)
-}
-
-impl<'a> MpcdiRegion<'a> {
-    fn of(
-        buffer: XmlElement<'a>,
-        element: XmlElement<'a>,
-        number: usize,
-    ) -> Result<Self, RigFault> {
-        let id = element.attribute("id").filter(|id| !id.is_empty());
-        let id = id.map_or_else(|| format!("region{number}"), str::to_owned);
-        let number = |it: XmlElement<'_>, name: &str| it.number(name);
-        let mut notes = Vec::new();
-        let mut count = |it: XmlElement<'_>, name: &str, of: &str| {
-            let found = number(it, name)?;
-            if found == Some(0.0) {
-                notes.push(format!("0 as the {name} of {of} is treated as missing"));
-            }
-            Ok(found.filter(|it| *it != 0.0))
-        };
-        let whole = [
-            count(buffer, "xResolution", "its buffer")?,
-            count(buffer, "yResolution", "its buffer")?,
-        ];
-        let own = [
-            count(element, "xResolution", "its own")?,
-            count(element, "yResolution", "its own")?,
-        ];
-        let (part, counts_pixels) = Self::part_of(element, whole)?;
-        if counts_pixels {
-            notes.push("its place counts pixels: it is divided by the buffer's size".to_owned());
-        }
-        let mut size = [0; 2];
-        for (k, name) in ["xResolution", "yResolution"].into_iter().enumerate() {
-            let pixels = own[k].or_else(|| whole[k].map(|whole| (whole * part[k + 2]).round()));
-            let pixels = pixels.ok_or_else(|| {
-                element.fault(
-                    name,
-                    "neither it nor its buffer says how many pixels there are",
-                )
-            })?;
-            size[k] = count_of_pixels(element, name, pixels)?;
-        }
-        // A buffer without pixels is no picture: each region is a display by itself.
-        let picture = whole[0].zip(whole[1]);
-        let name = buffer
-            .attribute("id")
-            .filter(|it| checked::bad_id(it).is_none());
-        let is_alone = buffer.children("region").count() == 1;
-        let own = [f64::from(size[0]) / part[2], f64::from(size[1]) / part[3]];
-        let [w, h] = picture.map_or(own, |(w, h)| [w, h]);
-        let origin = match picture {
-            Some((w, h)) => [part[0] * w, (1.0 - part[1] - part[3]).max(0.0) * h],
-            None => [0.0; 2],
-        };
-        Ok(Self {
-            surface: match picture {
-                Some(_) if name.is_some() || !is_alone => name.unwrap_or("main").to_owned(),
-                _ => id.clone(),
-            },
-            element,
-            id,
-            part,
-            size,
-            origin: origin.map(|at| at.round().clamp(0.0, 1e6) as u32),
-            aspect: (w / h).clamp(1e-3, 1e3),
-            buffer: picture.map(|(w, h)| [w, h]),
-            is_renamed: false,
-            notes,
-        })
-    }
-
-    /// Left, lower edge, width and height of a region as shares of a buffer with these columns and
-    /// rows, and whether the file counts pixels.
-    fn part_of(
-        element: XmlElement<'_>,
-        whole: [Option<f64>; 2],
-    ) -> Result<([f64; 4], bool), RigFault> {
-        const NAMES: [&str; 4] = ["x", "y", "xSize", "ySize"];
-        let mut said = [None; 4];
-        for (said, name) in said.iter_mut().zip(NAMES) {
-            *said = element.number(name)?;
-        }
-        let of = [whole[0], whole[1], whole[0], whole[1]];
-        let are_known = whole.iter().all(|it| it.is_some());
-        let is_more = |it: &Option<f64>| it.is_some_and(|it| it > 1.0 + ROUNDED);
-        // Some files give the size in pixels, and the place as a share.
-        let counts_pixels = are_known && said[2..].iter().any(is_more);
-        let counts_places = counts_pixels && said[..2].iter().any(is_more);
-        let counted = [counts_places, counts_places, counts_pixels, counts_pixels];
-        let mut part = [0.0, 0.0, 1.0, 1.0];
-        for (k, name) in NAMES.into_iter().enumerate() {
-            let Some(said) = said[k] else { continue };
-            part[k] = match of[k].filter(|_| counted[k]) {
-                Some(of) => said / of,
-                None => said,
-            };
-            if !(-ROUNDED..=1.0 + ROUNDED).contains(&part[k]) {
-                let what = format!("{said} is not a share from 0 to 1");
-                return Err(element.fault(name, what));
-            }
-            part[k] = part[k].clamp(0.0, 1.0);
-        }
-        Ok((part, counts_pixels))
-    }
-
-    /// Columns and rows of its share of the buffer, where it has others.
-    fn other_share(&self) -> Option<[f64; 2]> {
-        let buffer = self.buffer?;
-        let share = [0, 1].map(|k| buffer[k] * self.part[k + 2]);
-        let is_other = |k: usize| (share[k] - f64::from(self.size[k])).abs() > NEAR_SHARE;
-        (is_other(0) || is_other(1)).then(|| share.map(f64::round))
-    }
-
-    fn entry(&self, pose: PoseEntry, tangents: TangentsEntry) -> PanelEntry {
-        PanelEntry {
-            id: self.id.clone(),
-            eye: EyeEntry::Both,
-            pixels: self.size,
-            pose,
-            size: None,
-            tangents: Some(tangents),
-            scanout: ScanoutEntry::Normal,
-            output: Some(OutputEntry {
-                surface: self.surface.clone(),
-                monitor: String::new(),
-                x: self.origin[0],
-                y: self.origin[1],
-            }),
-            distortion: None,
-            blend: 0.0,
-            alpha: None,
-            gain: [1.0; 3],
-            black: 0.0,
-        }
-    }
-
-    fn on_screen(&self, [width, height]: [f64; 2]) -> TangentsEntry {
-        let [x, y, w, h] = self.part;
-        TangentsEntry {
-            left: (0.5 - x) * width,
-            right: (x + w - 0.5) * width,
-            up: (y + h - 0.5) * height,
-            down: (0.5 - y) * height,
-        }
-    }
-
-    fn before_eye(&self, notes: &mut Vec<String>) -> Result<(PoseEntry, TangentsEntry), RigFault> {
-        let Some(frustum) = self.element.child("frustum") else {
-            let what = "missing: where the region looks is unknown";
-            return Err(self.element.fault("frustum", what));
-        };
-        let angle = |name: &str| {
-            let said = frustum.number(name)?;
-            said.ok_or_else(|| self.element.fault(name, "its frustum does not give it"))
-        };
-        let tangent = |name: &str| {
-            let degrees = angle(name)?;
-            match degrees.abs() <= WIDEST {
-                true => Ok(degrees.to_radians().tan()),
-                false => {
-                    let what = format!("{degrees} is not an angle within {WIDEST}°");
-                    Err(self.element.fault(name, what))
-                }
-            }
-        };
-        let [mut left, right, up, mut down] = [
-            tangent("leftAngle")?,
-            tangent("rightAngle")?,
-            tangent("upAngle")?,
-            tangent("downAngle")?,
-        ];
-        for (name, low, high) in [
-            ("leftAngle", &mut left, right),
-            ("downAngle", &mut down, up),
-        ] {
-            // Some write how far it reaches to each side, without signs.
-            if *low > 0.0 && high > 0.0 && *low >= high {
-                *low = -*low;
-                notes.push(format!(
-                    "region {:?}: its {name} is positive, which lies on the other side of its \
-                     axis: it is treated as negative",
-                    self.id
-                ));
-            }
-        }
-        for (name, low, high) in [("leftAngle", left, right), ("downAngle", down, up)] {
-            if low >= high {
-                let what = "it is not below the opposite one: left and down are negative";
-                return Err(self.element.fault(name, what));
-            }
-        }
-        let pose = PoseEntry {
-            order: Some(PoseOrder::YawPitchRoll),
-            roll: Some(angle("roll")?),
-            pitch: Some(angle("pitch")?),
-            yaw: Some(angle("yaw")?),
-            quaternion: None,
-        };
-        let tangents = TangentsEntry {
-            left: -left,
-            right,
-            up,
-            down: -down,
-        };
-        Ok((pose, tangents))
     }
 }

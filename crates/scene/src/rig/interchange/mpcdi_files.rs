@@ -84,6 +84,8 @@ pub(super) struct MpcdiFilling<'a> {
     eye: Option<[f64; 3]>,
     /// What is left out, for people.
     pub(super) notes: Vec<String>,
+    /// Why the first region is left out.
+    lost: Option<RigFault>,
 }
 
 impl<'a> MpcdiFilling<'a> {
@@ -95,6 +97,18 @@ impl<'a> MpcdiFilling<'a> {
             left: MOST_MAPPED,
             eye,
             notes: Vec::new(),
+            lost: None,
+        }
+    }
+
+    /// Refuses a document of which no region is left.
+    pub(super) fn check_left(&mut self, regions: usize) -> Result<(), RigFault> {
+        match self.lost.take() {
+            Some(fault) if regions == 0 => Err(fault),
+            lost => {
+                self.lost = lost;
+                Ok(())
+            }
         }
     }
 
@@ -156,13 +170,14 @@ impl<'a> MpcdiFilling<'a> {
         ));
     }
 
-    /// What a float map holds: shares of a panel, or points.
+    /// What a float map holds: shares of a panel, or points. Where it is missing or is none, its
+    /// region is left out, and there is none.
     pub(super) fn floats<T>(
         &mut self,
         (region, size): SizedRegion<'_>,
         (map, are_shares): (XmlElement<'_>, bool),
         read: &dyn Fn(&FloatMap<'_>) -> Result<T, String>,
-    ) -> Result<T, RigFault> {
+    ) -> Result<Option<T>, RigFault> {
         self.take((region, size), 1)?;
         let path = map.said("path").unwrap_or_default();
         let most = most_values(size) * 12 + HEADER;
@@ -171,9 +186,23 @@ impl<'a> MpcdiFilling<'a> {
             let map = if are_shares { map.of_shares()? } else { map };
             Ok((read(&map)?, map.other_size(), map.notes().to_vec()))
         });
-        let found = found.map_err(|what| map.fault("path", format!("{} {what}", shortened(path))));
-        let (found, other_size, notes) = found?;
         let id = region.attribute("id").unwrap_or_default();
+        let (found, other_size, notes) = match found {
+            Ok(found) => found,
+            Err(what) => {
+                let fault = map.fault("path", format!("{} {what}", shortened(path)));
+                // Nothing outside may be tried, not even in vain.
+                if LEADS_OUT.iter().any(|it| what.contains(it)) {
+                    return Err(fault);
+                }
+                self.lost.get_or_insert(fault);
+                let path = shortened(path);
+                self.notes.push(format!(
+                    "region {id:?} is left out: its geometryWarpFile {path} {what}"
+                ));
+                return Ok(None);
+            }
+        };
         let notes = notes.into_iter();
         self.notes
             .extend(notes.map(|note| format!("region {id:?}: {}: {note}", shortened(path))));
@@ -182,7 +211,7 @@ impl<'a> MpcdiFilling<'a> {
             let how = "it is interpolated between them";
             self.note_size((region, size), "geometryWarpFile", nodes, how);
         }
-        Ok(found)
+        Ok(Some(found))
     }
 
     /// What a picture of shares of light holds, where there is one.

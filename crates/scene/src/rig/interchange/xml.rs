@@ -1,5 +1,8 @@
 //! What does an XML document say, whatever the case of its names?
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::super::error::{NEXT, RigFault};
@@ -36,17 +39,35 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, RigFault> {
     })
 }
 
+/// Numbers of a document that were read with a decimal comma, by element and name.
+#[derive(Debug, Default)]
+pub(super) struct Commas(RefCell<BTreeSet<(usize, String)>>);
+
+impl Commas {
+    /// How many there are.
+    pub(super) fn times(&self) -> usize {
+        self.0.borrow().len()
+    }
+}
+
 /// An element of a document.
 #[derive(Clone, Copy)]
 pub(super) struct XmlElement<'a> {
     node: Node<'a, 'a>,
+    commas: &'a Commas,
 }
 
 impl<'a> XmlElement<'a> {
-    pub(super) fn root(document: &'a Document<'a>) -> Self {
+    pub(super) fn root(document: &'a Document<'a>, commas: &'a Commas) -> Self {
         Self {
             node: document.root_element(),
+            commas,
         }
+    }
+
+    /// Another element of the document.
+    fn other(self, node: Node<'a, 'a>) -> Self {
+        Self { node, ..self }
     }
 
     /// Whether both are the same element.
@@ -67,7 +88,7 @@ impl<'a> XmlElement<'a> {
     /// The elements directly in it of a name.
     pub(super) fn children(self, name: &str) -> impl Iterator<Item = Self> {
         let all = self.node.children().filter(Node::is_element);
-        all.map(|node| Self { node })
+        all.map(move |node| self.other(node))
             .filter(move |it| it.is_called(name))
     }
 
@@ -78,7 +99,7 @@ impl<'a> XmlElement<'a> {
     /// The elements of a name anywhere in it, itself among them.
     pub(super) fn all_within(self, name: &str) -> impl Iterator<Item = Self> {
         let all = self.node.descendants().filter(Node::is_element);
-        all.map(|node| Self { node })
+        all.map(move |node| self.other(node))
             .filter(move |it| it.is_called(name))
     }
 
@@ -103,6 +124,8 @@ impl<'a> XmlElement<'a> {
         // Programs write commas where their users do.
         let is_comma = text.matches(',').count() == 1 && !text.contains('.');
         let plain = if is_comma {
+            let place = (self.node.range().start, name.to_lowercase());
+            self.commas.0.borrow_mut().insert(place);
             text.replace(',', ".")
         } else {
             text.to_owned()

@@ -6,13 +6,17 @@ use std::path::Path;
 
 use crate::plain_file::{first_bytes, open_plain};
 use crate::read::film::corrected::bytes::Corrections;
+use crate::read::film::corrected::mp4_edits::edits;
 use crate::read::film::corrected::mp4_says::times_of_zero;
-use crate::read::film::ends::animation_end::gif_sizes;
+use crate::read::film::ends::animation_end::{GifSays, gif_says};
 
 /// Most sides of a GIF.
 const MOST_SIDE: u32 = u16::MAX as u32;
-/// Where a GIF says how large its screen is, and a WebP how long it is.
+/// Where a GIF says how large its screen is, and what its background, and where its palette lies;
+/// where a WebP says how long it is.
 const SCREEN: u64 = 6;
+const BACKGROUND: u64 = 11;
+const PALETTE: u64 = 13;
 const RIFF_LENGTH: u64 = 4;
 /// Most parts of a WebP.
 const MOST_PARTS: u32 = 4096;
@@ -41,7 +45,11 @@ pub fn corrections(file: &mut (impl Read + Seek)) -> Corrections {
             riff_length(file, told)
         }
         (true, _, b"ftyp" | b"moov" | b"mdat" | b"wide" | b"free" | b"skip", _) => {
-            Some(times_of_zero(file))
+            let mut found = times_of_zero(file);
+            let edits = edits(file);
+            found.bytes.extend(edits.bytes);
+            found.told.extend(edits.told);
+            Some(found)
         }
         _ => None,
     };
@@ -50,16 +58,41 @@ pub fn corrections(file: &mut (impl Read + Seek)) -> Corrections {
 
 /// The screen of a GIF that does not hold all of its pictures, as large as they are.
 fn screen(file: &mut (impl Read + Seek)) -> Option<Corrections> {
-    let [told, reached] = gif_sizes(file)?;
+    let says = gif_says(file)?;
+    let (told, reached) = (says.screen, says.reached);
     let right = [0, 1].map(|k| told[k].max(reached[k]).min(MOST_SIDE));
-    let bytes = right.map(|side| (side as u16).to_le_bytes()).concat();
-    (right != told && !right.contains(&0)).then(|| Corrections {
-        bytes: vec![(SCREEN, bytes)],
-        told: vec![format!(
+    let mut corrections = Corrections::default();
+    if right != told && !right.contains(&0) {
+        let bytes = right.map(|side| (side as u16).to_le_bytes()).concat();
+        corrections.bytes.push((SCREEN, bytes));
+        corrections.told.push(format!(
             "its screen of {}x{} pixels does not hold its pictures: {}x{} are shown",
             told[0], told[1], right[0], right[1]
-        )],
-    })
+        ));
+    }
+    let clear = clear_background(file, &says);
+    corrections
+        .bytes
+        .extend(clear.map(|it| (BACKGROUND, vec![it])));
+    Some(corrections)
+}
+
+/// A background that is clear, as browsers show it, of a GIF whose pictures leave places free;
+/// else one that is black. FFmpeg paints them with a colour of the palette.
+fn clear_background(file: &mut (impl Read + Seek), says: &GifSays) -> Option<u8> {
+    if says.is_covered || says.colours == 0 {
+        return None;
+    }
+    // A colour that the palette does not have is clear.
+    if says.colours < 256 {
+        return (says.background < says.colours).then_some(u8::MAX);
+    }
+    let mut palette = [0; 3 * 256];
+    file.seek(SeekFrom::Start(PALETTE)).ok()?;
+    file.read_exact(&mut palette).ok()?;
+    let mut colours = palette.chunks_exact(3);
+    let black = colours.position(|it| it == [0; 3])?;
+    u8::try_from(black).ok()
 }
 
 /// The length of a WebP that says that it is longer, and whose parts end with the file.
@@ -120,6 +153,13 @@ mod tests {
         assert_eq!(found(&gif([0, 0], &pictures)), [(6, vec![12, 0, 8, 0])]);
         assert_eq!(found(&gif([4, 20], &pictures)), [(6, vec![12, 0, 20, 0])]);
         assert_eq!(found(&gif([0, 0], &[])), []);
+        // With a palette of two colours, of which one is painted where no picture lies.
+        let mut free = gif([12, 8], &pictures[..1]);
+        free[10] = 0x80;
+        free.splice(13..13, [9; 6]);
+        assert_eq!(found(&free), [(11, vec![255])]);
+        free.splice(6..8, [9, 0]);
+        assert_eq!(found(&free), []);
         assert_eq!(found(&webp(16)), []);
         assert_eq!(found(&webp(400)), [(4, vec![16, 0, 0, 0])]);
         // One that is cut stays so.

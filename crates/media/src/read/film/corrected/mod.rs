@@ -3,4 +3,5 @@
 pub(crate) mod bytes;
 pub mod corrections;
 pub(crate) mod file;
+mod mp4_edits;
 pub mod mp4_says;

@@ -130,11 +130,14 @@ fn piece_time(boxes: &mut Boxes<'_, impl Read + Seek>, inside: Range<u64>) -> Op
     length_at(boxes, time + 4, is_wide)
 }
 
-/// Whether a file is a segment of a stream, which lacks what describes its tracks, or that alone.
+/// What a file lacks: what describes its tracks, as a segment of a stream or a recording that broke
+/// off does, the end of that, or all of the rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lacks {
     Init,
     Segments,
+    Index,
+    IndexEnd,
 }
 
 impl Lacks {
@@ -152,6 +155,15 @@ impl Lacks {
         let film = all.iter().find(|it| it.name == *b"moov");
         match (film, has(b"moof")) {
             (None, true) => Some(Self::Init),
+            // The size that a box gives may be more than there is of it.
+            (None, false) => {
+                let begins = [*b"ftyp", *b"wide", *b"free", *b"skip", *b"mdat"];
+                let is_mp4 = all.first().is_some_and(|it| begins.contains(&it.name));
+                (is_mp4 && has(b"mdat")).then_some(Self::Index)
+            }
+            (Some(film), false) if film.at.saturating_add(film.size) > end.saturating_add(4) => {
+                Some(Self::IndexEnd)
+            }
             (Some(film), false) => {
                 let is_of_pieces = boxes.first(film.inside.clone(), *b"mvex").is_some();
                 is_of_pieces.then_some(Self::Segments)
@@ -198,15 +210,15 @@ pub(crate) fn how_to_join(segment: &Path) -> String {
 }
 
 /// A head of times: of a film (`mvhd`) or of a track's media (`mdhd`).
-struct Times {
+pub(super) struct Times {
     /// Where the units a second stand.
     at: u64,
-    units: u32,
-    length: u64,
+    pub(super) units: u32,
+    pub(super) length: u64,
 }
 
 impl Times {
-    fn of(boxes: &mut Boxes<'_, impl Read + Seek>, head: Found) -> Option<Self> {
+    pub(super) fn of(boxes: &mut Boxes<'_, impl Read + Seek>, head: Found) -> Option<Self> {
         let start = head.inside.start;
         let is_wide = boxes.word(start)? >> 24 == 1;
         let at = start + if is_wide { 20 } else { 12 };
@@ -232,7 +244,10 @@ fn track_length(boxes: &mut Boxes<'_, impl Read + Seek>, inside: Range<u64>) -> 
 }
 
 /// How long the first sample of a track lasts, in its units.
-fn sample_length(boxes: &mut Boxes<'_, impl Read + Seek>, media: Range<u64>) -> Option<u64> {
+pub(super) fn sample_length(
+    boxes: &mut Boxes<'_, impl Read + Seek>,
+    media: Range<u64>,
+) -> Option<u64> {
     let information = boxes.first(media, *b"minf")?;
     let table = boxes.first(information.inside, *b"stbl")?;
     let times = boxes.first(table.inside, *b"stts")?;

@@ -27,7 +27,7 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
         [b'G', b'I', b'F', ..] => {
             let end = file.seek(SeekFrom::End(0)).ok()?;
             file.seek(SeekFrom::Start(10)).ok()?;
-            match gif(file, end, &mut |_| {}) {
+            match gif(file, end, &mut |_, _| {}) {
                 // The parts of a whole picture are all there, or reading fails.
                 None => Some("it ends within a picture".to_owned()),
                 Some(false) => Some("something in it is no part of a picture".to_owned()),
@@ -38,22 +38,66 @@ pub fn why_cut(file: &mut (impl Read + Seek)) -> Option<String> {
     }
 }
 
-/// Columns and rows of a GIF's screen, and those that its pictures reach; none of another file.
-pub(crate) fn gif_sizes(file: &mut (impl Read + Seek)) -> Option<[[u32; 2]; 2]> {
+/// What a GIF says of its screen and of where its pictures lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct GifSays {
+    /// Columns and rows of its screen, and those that its pictures reach.
+    pub(crate) screen: [u32; 2],
+    pub(crate) reached: [u32; 2],
+    /// Whether each of its pictures lies on all that they reach.
+    pub(crate) is_covered: bool,
+    /// Colours of its palette, and which of them it gives to places without a picture.
+    pub(crate) colours: usize,
+    pub(crate) background: usize,
+    /// Pictures that have no palette, as neither they nor the file have one.
+    pub(crate) without_palette: u64,
+}
+
+/// The same of a GIF; none of another file.
+pub(crate) fn gif_says(file: &mut (impl Read + Seek)) -> Option<GifSays> {
     let end = file.seek(SeekFrom::End(0)).ok()?;
     file.seek(SeekFrom::Start(0)).ok()?;
-    let mut head = [0; 10];
+    let mut head = [0; 12];
     file.read_exact(&mut head).ok()?;
     if !head.starts_with(b"GIF8") {
         return None;
     }
+    file.seek(SeekFrom::Start(10)).ok()?;
     let side = |k: usize| u32::from(u16::from_le_bytes([head[k], head[k + 1]]));
-    let mut reached = [0; 2];
+    let screen = [side(6), side(8)];
+    let colours = table(head[10]) as usize / 3;
+    let (mut reached, mut without_palette) = ([0; 2], 0);
+    // The place of all pictures; none where they lie in several.
+    let mut common: Option<Option<[u32; 4]>> = None;
     // Those before a damaged part count.
-    let _ = gif(file, end, &mut |[x, y, w, h]| {
+    let _ = gif(file, end, &mut |place, has_palette| {
+        let [x, y, w, h] = place;
         reached = [reached[0].max(x + w), reached[1].max(y + h)];
+        without_palette += u64::from(!has_palette && colours == 0);
+        let is_same = common.is_none_or(|it| it == Some(place));
+        common = Some(is_same.then_some(place));
     });
-    Some([[side(6), side(8)], reached])
+    let whole = [0, 1].map(|k| screen[k].max(reached[k]));
+    Some(GifSays {
+        screen,
+        reached,
+        is_covered: common == Some(Some([0, 0, whole[0], whole[1]])),
+        colours,
+        background: usize::from(head[11]),
+        without_palette,
+    })
+}
+
+/// Why the GIF at `path` shows nothing: none of its pictures has a palette; none for other files.
+pub(crate) fn gif_without_palette(path: &Path) -> Option<String> {
+    let (file, _) = open_plain(path).ok()?;
+    let says = gif_says(&mut BufReader::new(file))?;
+    (says.without_palette > 0).then(|| {
+        format!(
+            "it has {} without a palette: nothing says which colours its pixels have",
+            counted(says.without_palette, "picture")
+        )
+    })
 }
 
 /// What an animated PNG lacks.
@@ -104,8 +148,13 @@ fn png(file: &mut (impl Read + Seek)) -> Option<String> {
 
 /// Goes through a GIF from the flags of its screen on, up to its end mark or the end of the file
 /// between two pictures; none where it ends within one, false where something is no part of one.
-/// Reports the left edge, upper edge, width and height of each picture.
-fn gif(file: &mut (impl Read + Seek), end: u64, tell: &mut dyn FnMut([u32; 4])) -> Option<bool> {
+/// Reports the left edge, upper edge, width and height of each picture, and whether it has a
+/// palette of its own.
+fn gif(
+    file: &mut (impl Read + Seek),
+    end: u64,
+    tell: &mut dyn FnMut([u32; 4], bool),
+) -> Option<bool> {
     let flags = byte(file)?;
     skip(file, 2 + table(flags), end)?;
     loop {
@@ -119,8 +168,8 @@ fn gif(file: &mut (impl Read + Seek), end: u64, tell: &mut dyn FnMut([u32; 4])) 
                 let mut place = [0; 8];
                 file.read_exact(&mut place).ok()?;
                 let side = |k: usize| u32::from(u16::from_le_bytes([place[k], place[k + 1]]));
-                tell([side(0), side(2), side(4), side(6)]);
                 let flags = byte(file)?;
+                tell([side(0), side(2), side(4), side(6)], table(flags) > 0);
                 skip(file, table(flags) + 1, end)?;
             }
             Some(_) => return Some(false),

@@ -88,6 +88,19 @@ pub(crate) fn other_file(path: &Path) -> Option<MediaError> {
                         coded";
             other(what, how_to_join(path))
         }
+        Lacks::Index => {
+            let what = "is an MP4 without its index (moov), as where recording broke off before \
+                        it was written: how its frames are coded, and where they lie, stood there";
+            let next = "rebuild it with `untrunc GOOD FILE`, where GOOD is a whole recording of \
+                        the same camera";
+            other(what, next.to_owned())
+        }
+        Lacks::IndexEnd => {
+            let what = "is an MP4 that ends within its index (moov)";
+            let next = "copy it again, or rebuild it with `untrunc GOOD FILE`, where GOOD is a \
+                        whole recording of the same camera";
+            other(what, next.to_owned())
+        }
         Lacks::Segments => {
             let what = "is the init segment of a stream, which holds no pictures";
             let next = "join it with its segments, in order, with `cat FILE 1.m4s 2.m4s > \

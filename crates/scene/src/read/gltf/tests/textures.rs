@@ -128,5 +128,5 @@ fn gloss_tells_of_colours_before_metal_and_a_webp_may_stand_alone() {
     let scene = scene(&made);
     assert_eq!(scene.materials[0].colour, [0.5, 0.25, 1.0, 1.0]);
     assert_eq!(&*scene.images[0].bytes, b"bytes of a picture");
-    assert_eq!(scene.remarks, ["gloss is not drawn"]);
+    assert_eq!(scene.remarks, ["gloss is not drawn: 1 material"]);
 }
