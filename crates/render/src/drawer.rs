@@ -1,14 +1,16 @@
 //! What draws what a session shows: the GPU, the CPU twin of its passes, or nothing?
 
-use crate::Overlay;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::RgbaImage;
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
-use crate::meshes::morphs::Morphs;
-use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::image::RgbaImage;
+use crate::meshes::ComingUnit;
 use crate::pages::ComingPage;
+use crate::params::Overlay;
 use crate::points::ComingPoints;
+use crate::scene::drawer::SceneDrawer;
+use crate::scene::morphs::Morphs;
+use crate::scene::params::SceneStyle;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;

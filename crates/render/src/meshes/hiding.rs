@@ -4,7 +4,7 @@ use crate::error::RenderError;
 use crate::gpu::buffers::{filled, storage, written};
 use crate::gpu::compute::{Compute, Dispatch, record};
 use crate::gpu::device::Gpu;
-use crate::meshes::params::{HalvingParams, SceneParams};
+use crate::scene::params::{HalvingParams, SceneParams};
 use crate::shaders;
 
 /// Texels on a side of a workgroup.

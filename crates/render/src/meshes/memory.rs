@@ -7,8 +7,8 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::pool::{Pool, most_bound};
 use crate::meshes::bounds::ClusterBounds;
-use crate::meshes::pool::{Pool, most_bound};
 use crate::meshes::units::{Moved, SceneUnits};
 use foveal_core::content::mesh::cut::{PlacedCluster, PlacedUnit, VertexOrigin};
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};

@@ -2,33 +2,19 @@
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
-use crate::gpu::picture_target::FORMAT;
 use crate::meshes::lists::DrawList;
 use crate::pages::PageLayer;
-use crate::shaders::{self, Shader};
+use crate::scene::phase::{DEPTH_FORMAT, Phase, nearest_pipeline};
+use crate::shaders;
 
-/// Format of the depths of clusters: the nearest is the largest, so that single precision
-/// distinguishes depths as well near as far.
-pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Format of an image of units.
-pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// Stands for no unit in an image of units.
 const NO_UNIT: f64 = u32::MAX as f64;
 /// What the steps read: the view in front, other buffers, then pages and how they are read.
 const BINDINGS: u32 = 8;
 
-/// What is drawn of clusters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Draws {
-    /// Their colours.
-    Colours,
-    /// The units that would refine them.
-    Refiners,
-}
-
 /// The pass that draws lists of clusters: the first from outside, the second from both sides.
 pub(crate) struct ClusterPass {
-    draws: Draws,
+    phase: Phase,
     pipelines: [wgpu::RenderPipeline; 2],
     layout: wgpu::BindGroupLayout,
     depth: Option<wgpu::Texture>,
@@ -36,7 +22,7 @@ pub(crate) struct ClusterPass {
 
 impl ClusterPass {
     /// The pass that draws this.
-    pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
+    pub(crate) fn new(gpu: &Gpu, phase: Phase) -> Self {
         let entries: Vec<_> = (0..BINDINGS).map(entry).collect();
         let layout = gpu
             .device
@@ -45,8 +31,8 @@ impl ClusterPass {
                 entries: &entries,
             });
         Self {
-            draws,
-            pipelines: pipelines(gpu, &layout, draws),
+            phase,
+            pipelines: pipelines(gpu, &layout, phase),
             layout,
             depth: None,
         }
@@ -86,9 +72,9 @@ impl ClusterPass {
     ) {
         let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
         let depth = self.depth_of(gpu, picture.size());
-        let clear = match self.draws {
-            Draws::Colours => cleared(background.map(|it| f64::from(it) / 255.0)),
-            Draws::Refiners => cleared([NO_UNIT; 4]),
+        let clear = match self.phase {
+            Phase::Opaque => cleared(background.map(|it| f64::from(it) / 255.0)),
+            Phase::Ids => cleared([NO_UNIT; 4]),
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("clusters"),
@@ -184,64 +170,8 @@ fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
 }
 
 /// The pipeline that draws from outside, and the one that draws from both sides.
-fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> [wgpu::RenderPipeline; 2] {
+fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, phase: Phase) -> [wgpu::RenderPipeline; 2] {
     let shader = shaders::draw_clusters();
     [Some(wgpu::Face::Back), None]
-        .map(|cull_mode| nearest_pipeline(gpu, &shader, layout, draws, cull_mode))
-}
-
-/// A pipeline of a shader that draws what is nearest to the eye: colours in its first step, units
-/// that would refine them in its second.
-pub(crate) fn nearest_pipeline(
-    gpu: &Gpu,
-    shader: &Shader,
-    layout: &wgpu::BindGroupLayout,
-    draws: Draws,
-    cull_mode: Option<wgpu::Face>,
-) -> wgpu::RenderPipeline {
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(shader.name),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let (step, format) = match draws {
-        Draws::Colours => (0, FORMAT),
-        Draws::Refiners => (1, UNITS_FORMAT),
-    };
-    let [vertex, fragment] = shader.steps[step];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState {
-            cull_mode,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        .map(|cull_mode| nearest_pipeline(gpu, &shader, layout, phase, cull_mode))
 }

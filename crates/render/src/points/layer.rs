@@ -3,14 +3,14 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
-use crate::meshes::params::SceneStyle;
-use crate::meshes::pass::Draws;
-use crate::meshes::pool::most_bound;
+use crate::gpu::pool::most_bound;
 use crate::points::cubes::{StandingCube, standing};
 use crate::points::memory::{BLOCK, PointMemory, placed_bytes};
 use crate::points::params::{CloudViewParams, CubeParams};
 use crate::points::pass::PointPass;
 use crate::points::units::{CloudUnits, ComingPoints};
+use crate::scene::params::SceneStyle;
+use crate::scene::phase::Phase;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
@@ -60,7 +60,7 @@ impl PointLayer {
             seen_cubes: storage(gpu, "cubes of points", size_of::<CubeParams>() as u64)?,
             shown: storage(gpu, "blocks of points", ENTRY_BYTES)?,
             count: 0,
-            colours: PointPass::new(gpu, Draws::Colours),
+            colours: PointPass::new(gpu, Phase::Opaque),
             refiners: None,
         })
     }
@@ -203,9 +203,9 @@ impl PointLayer {
     }
 
     /// Makes what draws this, where it was not drawn before.
-    pub(crate) fn ready(&mut self, draws: Draws) {
-        if draws == Draws::Refiners && self.refiners.is_none() {
-            self.refiners = Some(PointPass::new(&self.gpu, draws));
+    pub(crate) fn ready(&mut self, phase: Phase) {
+        if phase == Phase::Ids && self.refiners.is_none() {
+            self.refiners = Some(PointPass::new(&self.gpu, phase));
         }
     }
 
@@ -213,12 +213,12 @@ impl PointLayer {
     pub(crate) fn draw(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
-        draws: Draws,
+        phase: Phase,
         scene_view: &wgpu::Buffer,
     ) {
-        let points = match draws {
-            Draws::Colours => Some(&self.colours),
-            Draws::Refiners => self.refiners.as_ref(),
+        let points = match phase {
+            Phase::Opaque => Some(&self.colours),
+            Phase::Ids => self.refiners.as_ref(),
         };
         let Some(points) = points.filter(|_| self.count > 0) else {
             return;

@@ -5,7 +5,7 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
-use crate::meshes::pool::Pool;
+use crate::gpu::pool::Pool;
 use crate::points::units::CloudUnits;
 use foveal_core::content::points::cut::{PlacedPoints, ShownPoint};
 use foveal_core::content::scene::description::Cloud;

@@ -4,14 +4,17 @@
 //! shown; what lies outside the fovea is blurred where that is wanted. What is chosen here can
 //! change while it is looked at.
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::TextureRenderer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
+use crate::image::RgbaImage;
+use crate::params::Overlay;
+use crate::tiles::blur::RadialBlur;
+use crate::tiles::frame::Renderer;
 use crate::tiles::sampling::{GatheredSamples, Sampling, mask_shape};
 use crate::tiles::sparse::Interpolation;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::tiles::textures::TextureRenderer;
 use crate::twin::{self, TwinSamples, TwinTiles};
-use crate::{Overlay, RadialBlur, Renderer, RgbaImage};
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;

@@ -3,8 +3,8 @@
 use super::halve_depths::{depth_start, first_depths, halve_depths};
 use crate::meshes::bounds::ClusterBounds;
 use crate::meshes::hiding::{levels, sides};
-use crate::meshes::params::{BACKS, MIRRORED, OUTSIDE, TWO_SIDED};
 use crate::meshes::units::DrawnCluster;
+use crate::scene::params::{BACKS, MIRRORED, OUTSIDE, TWO_SIDED};
 use crate::twin::shared::scene::{SceneInView, bounds_of, row, times, triangles_of, vertex_at};
 use glam::{Vec2, Vec3, Vec4};
 

@@ -9,15 +9,13 @@ mod mark_units;
 
 use crate::error::RenderError;
 use crate::image::RgbaImage;
-use crate::meshes::footprints::{
-    FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view,
-};
-use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
-use crate::meshes::placements::Placements;
 use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
 use crate::pages::ComingPage;
 use crate::points::cubes::standing;
 use crate::points::units::{CloudUnits, ComingPoints};
+use crate::scene::footprints::{FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view};
+use crate::scene::params::{SceneParams, SceneStyle, TWO_SIDED};
+use crate::scene::placements::Placements;
 use crate::twin::shared::pages::TwinPages;
 use crate::twin::shared::raster::{Covered, Fragment, Sides, rasterise};
 use crate::twin::shared::scene::{SceneInView, triangles_of};

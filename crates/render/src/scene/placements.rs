@@ -1,9 +1,9 @@
 //! Where do objects stand before the eye?
 
-use crate::meshes::params::{
+use crate::pages::table::PageTable;
+use crate::scene::params::{
     COLOURS, MIRRORED, NORMALS, PlacementParams, TEXTURED, TWO_SIDED, UNLIT, in_view,
 };
-use crate::pages::table::PageTable;
 use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::content::scene::lighting::normal_matrix;

@@ -9,17 +9,18 @@ use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::importance::marks::UnitMarks;
-use crate::meshes::footprints::{FootprintPass, FootprintsBack, GazedParams, small_view};
 use crate::meshes::hiding::Hiding;
 use crate::meshes::lists::DrawList;
 use crate::meshes::memory::UnitMemory;
-use crate::meshes::params::{Culling, PlacementParams, SceneParams, SceneStyle};
-use crate::meshes::pass::{ClusterPass, Draws, UNITS_FORMAT};
-use crate::meshes::placements::Placements;
+use crate::meshes::pass::ClusterPass;
 use crate::meshes::units::{ComingUnit, SceneUnits};
 use crate::pages::{ComingPage, PageLayer};
 use crate::points::layer::PointLayer;
 use crate::points::units::ComingPoints;
+use crate::scene::footprints::{FootprintPass, FootprintsBack, GazedParams, small_view};
+use crate::scene::params::{Culling, PlacementParams, SceneParams, SceneStyle};
+use crate::scene::phase::{Phase, UNITS_FORMAT};
+use crate::scene::placements::Placements;
 use crate::shaders;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
@@ -107,7 +108,7 @@ impl SceneLayer {
             view: written(gpu, "view of a scene", view_bytes, uniform),
             cull: Compute::new(gpu, &shaders::cull_clusters()),
             hiding: Hiding::new(gpu, bytes as u64)?,
-            colours: ClusterPass::new(gpu, Draws::Colours),
+            colours: ClusterPass::new(gpu, Phase::Opaque),
             refiners: None,
             footprints: None,
             output: PictureTarget::new(gpu, [1, 1]),
@@ -350,14 +351,14 @@ impl SceneLayer {
         let image = self.unit_image.take().filter(|it| it.size() == size);
         let image = image.unwrap_or_else(|| unit_image(&gpu, size));
         let pass = self.refiners.take();
-        let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Draws::Refiners));
+        let mut pass = pass.unwrap_or_else(|| ClusterPass::new(&gpu, Phase::Ids));
         let bound = self.bind(&pass);
         if let Some(clouds) = &mut self.clouds {
-            clouds.ready(Draws::Refiners);
+            clouds.ready(Phase::Ids);
         }
         let target = (&image, style.background());
         let lists = listed(&self.lists, &bound);
-        let beside = beside(self.clouds.as_ref(), Draws::Refiners, &self.view);
+        let beside = beside(self.clouds.as_ref(), Phase::Ids, &self.view);
         pass.record((&gpu, &mut encoder), target, (0, lists), beside);
         self.refiners = Some(pass);
         gpu.submit(encoder);
@@ -430,7 +431,7 @@ impl SceneLayer {
         let lists = listed(&self.lists, &bound);
         let target = (&self.output.picture, style.background());
         let clouds = self.clouds.as_ref().filter(|_| !more_comes);
-        let beside = beside(clouds, Draws::Colours, &self.view);
+        let beside = beside(clouds, Phase::Opaque, &self.view);
         self.colours
             .record((&self.gpu, encoder), target, (go, lists), beside);
     }
@@ -539,12 +540,12 @@ impl SceneLayer {
 /// What draws clouds into a pass, where there are any.
 fn beside<'a>(
     clouds: Option<&'a PointLayer>,
-    draws: Draws,
+    phase: Phase,
     view: &'a wgpu::Buffer,
 ) -> impl FnOnce(&mut wgpu::RenderPass<'_>) + use<'a> {
     move |pass| {
         if let Some(clouds) = clouds {
-            clouds.draw(pass, draws, view);
+            clouds.draw(pass, phase, view);
         }
     }
 }

@@ -4,12 +4,12 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::meshes::layer::SceneLayer;
-use crate::meshes::measuring::Measuring;
-use crate::meshes::params::SceneStyle;
 use crate::meshes::units::ComingUnit;
 use crate::pages::ComingPage;
 use crate::points::units::ComingPoints;
+use crate::scene::layer::SceneLayer;
+use crate::scene::measuring::Measuring;
+use crate::scene::params::SceneStyle;
 use crate::twin::TwinScene;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::content::unit::AssetId;
