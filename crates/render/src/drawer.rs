@@ -4,10 +4,9 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::meshes::ComingUnit;
-use crate::pages::ComingPage;
+use crate::kinds::moves;
 use crate::params::Overlay;
-use crate::points::ComingPoints;
+use crate::scene::coming::Coming;
 use crate::scene::drawer::SceneDrawer;
 use crate::scene::morphs::Morphs;
 use crate::scene::params::SceneStyle;
@@ -210,35 +209,16 @@ impl Drawer {
     pub fn upload(&mut self, piece: Piece, payload: Payload) -> Result<(), RenderError> {
         match (&mut self.layer, payload) {
             (Layer::Tiles(tiles), Payload::Picture(picture)) => tiles.upload(piece, picture),
-            (Layer::Scene(drawer, scene), Payload::Mesh(says)) => {
+            (Layer::Scene(drawer, scene), payload) if !matches!(payload, Payload::Picture(_)) => {
                 let unit = piece.unit.unit;
                 let row = scene.pack().row(unit);
-                drawer.upload(&ComingUnit {
+                let is_there = drawer.upload(&Coming {
                     unit,
                     object: row.object,
                     level: scene.pack().level_of(unit),
                     needs: scene.needs(unit),
-                    says: &says,
-                })
-            }
-            (Layer::Scene(drawer, scene), Payload::Points(says)) => {
-                let unit = piece.unit.unit;
-                let row = scene.pack().row(unit);
-                let refines = scene.needs(unit).first().zip(row.replaces.first());
-                drawer.upload_points(&ComingPoints {
-                    unit,
-                    object: row.object,
-                    level: scene.pack().level_of(unit),
-                    refines: refines.map(|(need, octant)| (*need, octant.cluster)),
-                    says: &says,
-                })
-            }
-            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
-                let unit = piece.unit.unit;
-                let is_there = drawer.upload_page(&ComingPage {
-                    unit,
-                    needs: scene.needs(unit),
-                    says: &says,
+                    part: row.replaces.first().map(|it| it.cluster),
+                    says: payload.view(),
                 })?;
                 self.refused += u64::from(!is_there);
                 Ok(())
@@ -278,8 +258,7 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        // Points do not move.
-                        let moves = matches!(payload, Payload::Mesh(_));
+                        let moves = moves(payload.view());
                         match self.upload(piece, payload) {
                             Ok(()) => came.extend(moves.then_some(piece.unit.unit)),
                             // What is damaged so that it does not fit is left coarse.

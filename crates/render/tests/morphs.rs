@@ -5,7 +5,7 @@ use crate::common::torus::{ALL, coming, coming_root, from_above, object, refinem
 use foveal_core::content::mesh::payload::{Cluster, ClusterRef, MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{Coming, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{BTreeMap, HashSet};
 
 const SIZE: [u32; 2] = [192, 128];
@@ -21,9 +21,9 @@ impl Units {
         Self([root(), first, refinement(&[9, 13, 8]), above])
     }
 
-    fn all(&self) -> [ComingUnit<'_>; 4] {
+    fn all(&self) -> [Coming<'_>; 4] {
         let [root, first, second, above] = &self.0;
-        let above = ComingUnit {
+        let above = Coming {
             needs: &[UnitId(1)],
             ..coming(3, above)
         };
@@ -40,7 +40,7 @@ impl Units {
         let units = self.all();
         units[..count]
             .iter()
-            .for_each(|it| layer.upload(it).unwrap());
+            .for_each(|it| assert!(layer.upload(it).unwrap()));
         layer
     }
 

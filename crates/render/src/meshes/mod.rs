@@ -2,10 +2,10 @@
 
 pub(crate) mod bounds;
 pub(crate) mod hiding;
+pub(crate) mod layer;
 pub(crate) mod lists;
 pub(crate) mod memory;
 pub(crate) mod pass;
 pub(crate) mod units;
 
 pub use memory::unit_bytes;
-pub use units::ComingUnit;

@@ -1,23 +1,19 @@
-//! How is the pass recorded that draws clusters?
+//! How are clusters drawn?
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
 use crate::meshes::lists::DrawList;
-use crate::pages::PageLayer;
-use crate::scene::phase::{DEPTH_FORMAT, Phase, nearest_pipeline};
+use crate::scene::kind::Textures;
+use crate::scene::phase::{Phase, nearest_pipeline};
 use crate::shaders;
 
-/// Stands for no unit in an image of units.
-const NO_UNIT: f64 = u32::MAX as f64;
 /// What the steps read: the view in front, other buffers, then pages and how they are read.
 const BINDINGS: u32 = 8;
 
 /// The pass that draws lists of clusters: the first from outside, the second from both sides.
 pub(crate) struct ClusterPass {
-    phase: Phase,
     pipelines: [wgpu::RenderPipeline; 2],
     layout: wgpu::BindGroupLayout,
-    depth: Option<wgpu::Texture>,
 }
 
 impl ClusterPass {
@@ -31,10 +27,8 @@ impl ClusterPass {
                 entries: &entries,
             });
         Self {
-            phase,
             pipelines: pipelines(gpu, &layout, phase),
             layout,
-            depth: None,
         }
     }
 
@@ -44,53 +38,28 @@ impl ClusterPass {
         gpu: &Gpu,
         [view, placements, words, vertices]: [&wgpu::Buffer; 4],
         shown: &wgpu::Buffer,
-        pages: &PageLayer,
+        textures: &Textures,
     ) -> wgpu::BindGroup {
-        let (table, atlas, sampler) = pages.bindings();
         let resources = [
             (0, view.as_entire_binding()),
             (1, placements.as_entire_binding()),
             (2, words.as_entire_binding()),
             (3, shown.as_entire_binding()),
             (4, vertices.as_entire_binding()),
-            (5, table.as_entire_binding()),
-            (6, wgpu::BindingResource::TextureView(&atlas)),
-            (7, wgpu::BindingResource::Sampler(sampler)),
+            (5, textures.table.as_entire_binding()),
+            (6, wgpu::BindingResource::TextureView(&textures.pages)),
+            (7, wgpu::BindingResource::Sampler(&textures.sampler)),
         ];
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records a go over a whole picture, of which pixels have these codes where nothing stands:
-    /// the first, or the second, which draws into what the first left. `beside` draws into it what
-    /// is no cluster.
-    pub(crate) fn record(
-        &mut self,
-        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
-        (picture, background): (&wgpu::Texture, [u8; 4]),
-        (go, lists): (usize, [(&DrawList, &wgpu::BindGroup); 2]),
-        beside: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    /// Draws what a go found of lists, the first or the second.
+    pub(crate) fn draw<'a>(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        go: usize,
+        lists: impl Iterator<Item = (&'a DrawList, &'a wgpu::BindGroup)>,
     ) {
-        let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
-        let depth = self.depth_of(gpu, picture.size());
-        let clear = match self.phase {
-            Phase::Opaque => cleared(background.map(|it| f64::from(it) / 255.0)),
-            Phase::Ids => cleared([NO_UNIT; 4]),
-        };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clusters"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: begun(go, clear),
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
-                depth_ops: Some(begun(go, 0.0)),
-                stencil_ops: None,
-            }),
-            ..wgpu::RenderPassDescriptor::default()
-        });
         for (pipeline, (list, bound)) in self.pipelines.iter().zip(lists) {
             if list.count() > 0 {
                 pass.set_pipeline(pipeline);
@@ -99,50 +68,7 @@ impl ClusterPass {
                 pass.draw_indexed_indirect(list.arguments(go), 0);
             }
         }
-        beside(&mut pass);
     }
-
-    /// The depths of the picture that was drawn last.
-    pub(crate) fn depths(&self) -> Option<wgpu::TextureView> {
-        let depth = self.depth.as_ref();
-        depth.map(|it| it.create_view(&wgpu::TextureViewDescriptor::default()))
-    }
-
-    /// Depths of a picture's size.
-    fn depth_of(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::TextureView {
-        let fitting = self.depth.take().filter(|it| it.size() == size);
-        let depth = fitting.unwrap_or_else(|| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("depths of clusters"),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: DEPTH_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        });
-        let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
-        self.depth = Some(depth);
-        view
-    }
-}
-
-/// How a go begins: the first with a value everywhere, the second with what the first left.
-fn begun<V>(go: usize, value: V) -> wgpu::Operations<V> {
-    wgpu::Operations {
-        load: match go {
-            0 => wgpu::LoadOp::Clear(value),
-            _ => wgpu::LoadOp::Load,
-        },
-        store: wgpu::StoreOp::Store,
-    }
-}
-
-fn cleared([r, g, b, a]: [f64; 4]) -> wgpu::Color {
-    wgpu::Color { r, g, b, a }
 }
 
 fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {

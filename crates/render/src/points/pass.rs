@@ -1,4 +1,4 @@
-//! How is the pass recorded that draws points?
+//! How are points drawn?
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
@@ -8,7 +8,7 @@ use crate::shaders;
 /// Which bindings there are, and whether one is a uniform.
 const BINDINGS: [(u32, bool); 5] = [(0, true), (3, false), (4, false), (5, false), (6, true)];
 
-/// What draws points into a pass that draws clusters.
+/// What draws points.
 pub(crate) struct PointPass {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,

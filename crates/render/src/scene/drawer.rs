@@ -4,9 +4,8 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::meshes::units::ComingUnit;
-use crate::pages::ComingPage;
-use crate::points::units::ComingPoints;
+use crate::kinds::moves;
+use crate::scene::coming::{Coming, Refiners};
 use crate::scene::layer::SceneLayer;
 use crate::scene::measuring::Measuring;
 use crate::scene::params::SceneStyle;
@@ -19,7 +18,7 @@ use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::session::Session;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 /// Units of a scene and what draws them.
 pub struct SceneDrawer {
@@ -66,40 +65,18 @@ impl SceneDrawer {
         &self.device
     }
 
-    /// Adds a unit after its prerequisites; one that is there stays as it is.
+    /// Adds a unit after its prerequisites; one that is there stays as it is. `false` where
+    /// there is no room for it and what is coarser is shown.
     ///
     /// # Errors
     /// It does not fit to what is there or into the GPU's memory: nothing changed then.
-    pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
-        self.measuring.forget();
+    pub fn upload(&mut self, coming: &Coming<'_>) -> Result<bool, RenderError> {
+        if moves(coming.says) {
+            self.measuring.forget();
+        }
         match &mut self.engine {
             Engine::Gpu(layer) => layer.upload(coming),
-            Engine::Twin(twin) => twin.upload(coming),
-            Engine::Nothing => Ok(()),
-        }
-    }
-
-    /// Adds a unit of a cloud after the unit that it refines; one that is there stays as it is.
-    ///
-    /// # Errors
-    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
-    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
-        match &mut self.engine {
-            Engine::Gpu(layer) => layer.upload_points(coming),
-            Engine::Twin(twin) => twin.upload_points(coming),
-            Engine::Nothing => Ok(()),
-        }
-    }
-
-    /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
-    /// `false` where there is no room for it: the coarser page is shown.
-    ///
-    /// # Errors
-    /// It does not fit to what is there: nothing changed then.
-    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
-        match &mut self.engine {
-            Engine::Gpu(layer) => layer.upload_page(coming),
-            Engine::Twin(twin) => twin.upload_page(coming).map(|()| true),
+            Engine::Twin(twin) => twin.upload(coming).map(|()| true),
             Engine::Nothing => Ok(true),
         }
     }
@@ -126,7 +103,7 @@ impl SceneDrawer {
 
     /// From now on these are the units that would refine clusters, each by its unit and its number
     /// in it: what an image of ids shows.
-    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+    pub fn set_refiners(&mut self, refiners: Refiners) {
         match &mut self.engine {
             Engine::Gpu(layer) => layer.set_refiners(refiners),
             Engine::Twin(twin) => twin.set_refiners(refiners),

@@ -1,14 +1,13 @@
-//! Scenes: the units of all kinds on the GPU, and the pictures that are drawn of them.
+//! Scenes: layers of units of all kinds, and the pictures that are drawn of them.
 
+pub mod coming;
 pub(crate) mod drawer;
 pub mod footprints;
+pub mod kind;
 pub(crate) mod layer;
 pub(crate) mod measuring;
 pub(crate) mod morphs;
 pub mod params;
-pub(crate) mod phase;
+pub mod phase;
 pub(crate) mod placements;
-
-pub use drawer::SceneDrawer;
-pub use layer::SceneLayer;
-pub use params::{Culling, SceneStyle};
+pub(crate) mod targets;

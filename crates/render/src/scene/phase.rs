@@ -11,15 +11,38 @@ pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 /// What is drawn of a scene's units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Phase {
-    /// Their colours, what is nearest to the eye.
+pub enum Phase {
+    /// Colours of what hides all behind it.
     Opaque,
-    /// The units that would refine them.
+    /// Colours of what covers a share of what is behind it, after all that is opaque.
+    Transparent,
+    /// The units that would refine what is seen.
     Ids,
 }
 
+impl Phase {
+    /// The phases of a picture that is drawn for this one, in order.
+    pub(crate) fn all(self) -> &'static [Self] {
+        match self {
+            Self::Opaque | Self::Transparent => &[Self::Opaque, Self::Transparent],
+            Self::Ids => &[Self::Ids],
+        }
+    }
+}
+
+/// A part of a picture's drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Go {
+    /// All of it.
+    Only,
+    /// What hides others: what the picture before did not hide.
+    First,
+    /// Everything else.
+    Second,
+}
+
 /// A pipeline of a shader that draws what is nearest to the eye: colours in its first step, units
-/// that would refine them in its second.
+/// that would refine them in its second. What is transparent hides nothing.
 pub(crate) fn nearest_pipeline(
     gpu: &Gpu,
     shader: &Shader,
@@ -38,9 +61,10 @@ pub(crate) fn nearest_pipeline(
         immediate_size: 0,
     });
     let (step, format) = match phase {
-        Phase::Opaque => (0, FORMAT),
+        Phase::Opaque | Phase::Transparent => (0, FORMAT),
         Phase::Ids => (1, UNITS_FORMAT),
     };
+    let is_transparent = phase == Phase::Transparent;
     let [vertex, fragment] = shader.steps[step];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
@@ -57,7 +81,7 @@ pub(crate) fn nearest_pipeline(
         },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
+            depth_write_enabled: Some(!is_transparent),
             depth_compare: Some(wgpu::CompareFunction::Greater),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
@@ -67,7 +91,11 @@ pub(crate) fn nearest_pipeline(
             module: &module,
             entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: is_transparent.then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
         }),
         multiview_mask: None,
         cache: None,

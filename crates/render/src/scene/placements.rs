@@ -48,9 +48,9 @@ impl Placements {
         Self { all, first }
     }
 
-    /// Number of all.
-    pub(crate) fn count(&self) -> usize {
-        self.all.len()
+    /// Bytes of all as shaders read them.
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.all.len() * size_of::<PlacementParams>()) as u64
     }
 
     /// The placements of an object, by number.

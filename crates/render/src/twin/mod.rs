@@ -17,8 +17,8 @@ mod reconstruct_equirect;
 mod reconstruct_plane;
 mod reconstruct_textures;
 mod reduce_source;
-mod scene;
-mod shared;
+pub(crate) mod scene;
+pub(crate) mod shared;
 mod warp;
 
 pub use filters::TwinSource;

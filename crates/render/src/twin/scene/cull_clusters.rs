@@ -42,7 +42,7 @@ fn shows_back(scene: &SceneInView, placement: u32, bounds: &ClusterBounds) -> bo
 const DEPTH_SLACK: f32 = 1.0001;
 
 /// What was drawn, and how near the farthest of it is in squares of pixels.
-pub(super) struct DrawnDepths {
+pub(crate) struct DrawnDepths {
     scene: SceneInView,
     /// Of all levels, one behind the other.
     depths: Vec<f32>,
