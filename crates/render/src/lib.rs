@@ -7,6 +7,7 @@
 
 #![forbid(unsafe_code)]
 
+mod asset_drawer;
 mod draw_device;
 mod drawer;
 mod error;
@@ -22,12 +23,13 @@ pub mod scene;
 pub mod shaders;
 mod tiles;
 pub mod twin;
+mod under;
 pub mod warp;
 
 pub use crate::gpu::device::Gpu;
 pub use crate::gpu::readback::ReadBack;
 pub use crate::tiles::blur::RadialBlur;
-pub use crate::tiles::drawer::TileStyle;
+pub use crate::tiles::drawer::{TileDrawer, TileStyle};
 pub use crate::tiles::frame::Renderer;
 pub use crate::tiles::sampling::{mask_shape, sample_count};
 pub use crate::tiles::sparse::Interpolation;
@@ -40,5 +42,7 @@ pub use image::RgbaImage;
 pub use params::Overlay;
 pub use scene::coming::{Coming, Refiners};
 pub use scene::drawer::SceneDrawer;
+pub use scene::drawn::DrawnScene;
 pub use scene::layer::SceneLayer;
 pub use scene::params::{Culling, SceneStyle};
+pub use under::Under;

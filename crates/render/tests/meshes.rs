@@ -19,6 +19,7 @@ use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
 use foveal_render::{
     Coming, Culling, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer, SceneStyle,
+    Under,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -472,11 +473,15 @@ fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
             .coming()
             .for_each(|it| assert!(drawer.upload(&it).unwrap()));
         drawer.keep(&HashSet::from([UnitId(2)]));
+        let under = Under::default();
         let draws_on_gpu = matches!(device, DrawDevice::Gpu(_));
-        assert_eq!(drawer.draw(&view, &style).unwrap().is_some(), draws_on_gpu);
+        assert_eq!(
+            drawer.draw(&under, &view, &style).unwrap().is_some(),
+            draws_on_gpu
+        );
         assert_eq!(drawer.gpu_bytes() > 0, draws_on_gpu);
-        let picture = drawer.picture(&view, &style).unwrap();
-        let read = drawer.read(&view, &style).unwrap().is_some();
+        let picture = drawer.picture(&under, &view, &style).unwrap();
+        let read = drawer.read(&under, &view, &style).unwrap().is_some();
         assert_eq!(read, picture.is_some());
         let triangles = if read { 13 * 32 + 3 * 64 } else { 0 };
         assert_eq!(drawer.triangles_drawn(), triangles);

@@ -2,6 +2,7 @@
 
 pub mod coming;
 pub(crate) mod drawer;
+pub(crate) mod drawn;
 pub mod footprints;
 pub mod kind;
 pub(crate) mod layer;
