@@ -313,7 +313,7 @@ fn a_run_replays_from_its_log() {
     }
     let log = SessionLog::parse(&text).unwrap();
     let again = log.replay(&|asset, head, config| {
-        assert_eq!(asset, AssetId(0));
+        assert_eq!(asset, AssetId::ONLY);
         Arc::clone(&scene).demand(head, config)
     });
     assert_eq!(again.write(), text);

@@ -13,7 +13,7 @@ use foveal_core::content::payload::Payload;
 use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_media::pack::pack::Pack;
-use foveal_render::Drawer;
+use foveal_render::{Drawer, DrawnScene, TileDrawer};
 
 /// Tiles under way for each decoding thread.
 const TILES_AHEAD: usize = 2;
@@ -107,7 +107,8 @@ impl LivePlayer {
     /// Triangles of a scene that the last picture drew; of video none.
     #[must_use]
     pub fn triangles_drawn(&self) -> u64 {
-        self.drawer.triangles_drawn()
+        let scene = self.drawer.scene();
+        scene.map_or(0, DrawnScene::triangles_drawn)
     }
 
     /// What decides.
@@ -126,10 +127,11 @@ impl LivePlayer {
         &mut self.drawer
     }
 
-    /// How tiles become a picture.
+    /// How tiles become a picture; of a scene as by default.
     #[must_use]
     pub fn style(&self) -> foveal_render::TileStyle {
-        self.drawer.style()
+        let tiles = self.drawer.tiles();
+        tiles.map(TileDrawer::style).unwrap_or_default()
     }
 
     /// Whether units of a scene are on their way to their places: the picture changes by itself.
@@ -170,7 +172,8 @@ impl LivePlayer {
     }
 
     fn count(&mut self) {
-        let wrong = self.drawer.wrong_frame_units() as u64;
+        let tiles = self.drawer.tiles_mut();
+        let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units) as u64;
         let figures = &mut self.session.figures;
         figures.wrong_frame_units += wrong;
         figures.gpu_bytes = self.drawer.gpu_bytes();

@@ -35,7 +35,7 @@ use foveal_core::view::surface::{Projection, Screen};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::tiles::decode_pool::{DecodePool, DecodedTile, TileError};
 use foveal_media::tiles::decoders::DeviceUse;
-use foveal_render::{DrawDevice, Drawer, RgbaImage, TileStyle};
+use foveal_render::{DrawDevice, Drawer, RgbaImage, TileDrawer, TileStyle};
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -115,7 +115,9 @@ impl Player {
         check(&file, &video, &mut options)?;
         options.style.samples = options.config.policy == Policy::Sampled;
         let mut drawer = Drawer::new(&options.drawing, &video, options.style)?;
-        drawer.prepare(&options.config, &options.view)?;
+        if let Some(tiles) = drawer.tiles_mut() {
+            tiles.prepare(&options.config, &options.view)?;
+        }
         let spends = options.config.policy.spends_a_budget();
         let settings = SessionSettings {
             policy: options.config.clone(),
@@ -191,8 +193,12 @@ impl Player {
     pub fn read_tile(&mut self, tile: Tile) -> Result<Option<RgbaImage>, PlayError> {
         let colour = self.video.pack().description().colour;
         let unit = self.video.pack().unit(tile, 0);
-        let picture = self.drawer.read_unit(of_video(unit))?;
-        Ok(picture.map(|picture| RgbaImage::from_planes(&picture, colour)))
+        let tiles = self.drawer.tiles_mut();
+        let picture = tiles.map(|tiles| tiles.read_unit(of_video(unit)));
+        Ok(picture
+            .transpose()?
+            .flatten()
+            .map(|picture| RgbaImage::from_planes(&picture, colour)))
     }
 
     /// Media time of a frame.
@@ -261,7 +267,9 @@ impl Player {
         let new_bytes = self.fetch(&wanted);
         let begun = Instant::now();
         let shown = self.present(frame, look)?;
-        self.drawer.follow(&now.moment.gaze, &view)?;
+        if let Some(tiles) = self.drawer.tiles_mut() {
+            tiles.follow(&now.moment.gaze, &view)?;
+        }
         let upload = begun.elapsed();
         let tiles = self.tiles(&shown);
         let levels = self.levels_of(&wanted);
@@ -294,7 +302,7 @@ impl Player {
             choose,
             decode,
             upload,
-            wrong_frame_tiles: self.drawer.wrong_frame_units(),
+            wrong_frame_tiles: self.wrong_frame_units(),
             failed_tiles: decoded.failed,
             level_changes,
         })
@@ -441,9 +449,17 @@ impl Player {
         let (cache, drawer) = (&mut self.cache, &mut self.drawer);
         let (_, left) = step(&mut self.session, &now, cache, drawer)?;
         let _ = self.order(left);
-        self.drawer.settle()?;
+        if let Some(tiles) = self.drawer.tiles_mut() {
+            tiles.settle()?;
+        }
         let shown = self.session.states().in_state(UnitState::Shown);
         Ok(shown.into_iter().map(|piece| piece.unit).collect())
+    }
+
+    /// Resident tiles that hold another frame than the one shown.
+    fn wrong_frame_units(&mut self) -> usize {
+        let tiles = self.drawer.tiles_mut();
+        tiles.map_or(0, TileDrawer::wrong_frame_units)
     }
 
     /// Bytes of the units that this run had not needed before.
@@ -481,7 +497,7 @@ impl Player {
     /// Pixels shown of these units.
     fn pixels(&self, units: &[UnitRef]) -> u64 {
         let of_tile = |unit: &UnitRef| Content::unit(&*self.video, unit.unit).samples;
-        let samples = self.drawer.samples();
+        let samples = self.drawer.tiles().and_then(TileDrawer::samples);
         samples.map_or_else(|| units.iter().map(of_tile).sum(), |count| count as u64)
     }
 
@@ -522,7 +538,7 @@ impl Player {
 /// A unit of the only asset.
 fn of_video(unit: UnitId) -> UnitRef {
     UnitRef {
-        asset: AssetId(0),
+        asset: AssetId::ONLY,
         unit,
     }
 }

@@ -107,7 +107,11 @@ impl RenderedWorth {
                     .zip(gains)
                     .for_each(|(worth, gain)| *worth += gain);
             }
-            let ids = drawer.ids(view)?.map(|texture| UnitIds {
+            let ids = match drawer.scene_mut() {
+                Some(scene) => scene.ids(view)?,
+                None => None,
+            };
+            let ids = ids.map(|texture| UnitIds {
                 texture: texture.clone(),
                 units: worths.len(),
             });
@@ -120,7 +124,7 @@ impl RenderedWorth {
     fn upload_level(&self, drawer: &mut Drawer, level: u8) -> Result<(), PlayError> {
         let pack = self.file.pack();
         for unit in pack.units().filter(|unit| pack.level_of(*unit) == level) {
-            let asset = AssetId(0);
+            let asset = AssetId::ONLY;
             let piece = Piece {
                 unit: UnitRef { asset, unit },
                 frame: 0,
@@ -168,7 +172,9 @@ pub fn worth_both_ways(
     let mut footprints = Vec::new();
     for level in (1..=scene.pack().coarsest()).rev() {
         rendered.upload_level(&mut drawer, level)?;
-        footprints.extend_from_slice(drawer.footprints(moment)?.list());
+        if let Some(scene) = drawer.scene_mut() {
+            footprints.extend_from_slice(scene.footprints(moment)?.list());
+        }
     }
     let footprints = Footprints::new(footprints);
     let by_signatures = visible_errors(&scene, moment, &footprints);

@@ -5,7 +5,7 @@
 
 use crate::error::PlayError;
 use crate::rendered_worth::RenderedWorth;
-use crate::step::decide;
+use crate::step::{decide, leave_room};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
@@ -24,7 +24,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_media::pack::scene_file::SceneFile;
 use foveal_render::params::Overlay;
-use foveal_render::{DrawDevice, Drawer, RgbaImage};
+use foveal_render::{DrawDevice, Drawer, DrawnScene, RgbaImage};
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -154,6 +154,13 @@ impl ScenePlayer {
         &self.log
     }
 
+    /// Triangles that the last picture drew.
+    #[must_use]
+    pub fn triangles_drawn(&self) -> u64 {
+        let scene = self.drawer.scene();
+        scene.map_or(0, DrawnScene::triangles_drawn)
+    }
+
     /// Units that could not be read so far, or did not fit to what they refine; coarser ones stand
     /// in for them.
     #[must_use]
@@ -200,6 +207,7 @@ impl ScenePlayer {
             until: time,
             moment: moment.clone(),
         };
+        leave_room(&mut self.session, &mut self.drawer, moment)?;
         let (mut unit_bytes, mut page_bytes, mut choose) = (0, 0, Duration::ZERO);
         let mut new_units = Vec::new();
         let mut has_measured = false;
@@ -229,7 +237,6 @@ impl ScenePlayer {
             }
         }
         self.session.charge(page_bytes);
-        self.drawer.settle()?;
         Ok(SceneReport {
             units_by_level: self.session.figures.histogram.clone(),
             unit_bytes,
@@ -243,7 +250,9 @@ impl ScenePlayer {
     /// Gives the session what parts of the view units would refine.
     fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
         match &mut self.rendered {
-            Some(rendered) => self.session.see(AssetId(0), rendered.footprints(moment)?),
+            Some(rendered) => self
+                .session
+                .see(AssetId::ONLY, rendered.footprints(moment)?),
             None => self.drawer.measure_now(&mut self.session, moment)?,
         }
         Ok(())
@@ -297,7 +306,7 @@ impl ScenePlayer {
     pub fn detail_share(&self, moment: &Moment) -> f64 {
         let states = self.session.states();
         detail_share(self.scene(), moment, |unit| {
-            let asset = AssetId(0);
+            let asset = AssetId::ONLY;
             states.is_resident(Piece {
                 unit: UnitRef { asset, unit },
                 frame: 0,
@@ -339,7 +348,11 @@ impl ScenePlayer {
     /// # Errors
     /// As there.
     pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, PlayError> {
-        Ok(self.drawer.picture_in_place(view)?)
+        let scene = self.drawer.scene_mut();
+        let picture = scene
+            .map(|scene| scene.picture_in_place(view))
+            .transpose()?;
+        Ok(picture.flatten())
     }
 }
 

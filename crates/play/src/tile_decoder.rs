@@ -63,7 +63,7 @@ impl Decoder for TileDecoder {
             })),
             Err(error) => Err(self.damaged(tile, frame, &error)),
         };
-        let asset = AssetId(0);
+        let asset = AssetId::ONLY;
         Some(Done {
             piece: Piece {
                 unit: UnitRef { asset, unit },

@@ -1,9 +1,9 @@
 //! What draws, and where is the picture then?
 
-use crate::RgbaImage;
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::ReadBack;
+use crate::image::RgbaImage;
 
 /// What draws, ready: one can serve several drawers.
 #[derive(Clone)]

@@ -1,63 +1,34 @@
 //! What draws what a session shows: the GPU, the CPU twin of its passes, or nothing?
 
-use crate::Overlay;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::RgbaImage;
+use crate::asset_drawer::AssetDrawer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
-use crate::meshes::morphs::Morphs;
-use crate::meshes::{ComingUnit, SceneDrawer, SceneStyle};
-use crate::pages::ComingPage;
-use crate::points::ComingPoints;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::image::RgbaImage;
+use crate::kinds::moves;
+use crate::params::Overlay;
+use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
-use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::scene::Scene;
-use foveal_core::content::scene::showing::StepWitness;
-#[cfg(not(target_arch = "wasm32"))]
-use foveal_core::content::scene::worth::shares_of_worth;
-use foveal_core::content::unit::UnitRef;
+use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::content::video::Video;
-use foveal_core::gaze::sample::GazeSample;
-use foveal_core::pack::unit::UnitId;
-#[cfg(not(target_arch = "wasm32"))]
-use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
-#[cfg(not(target_arch = "wasm32"))]
-use foveal_core::perception::parameters::Parameters;
 use foveal_core::session::actions::{Cache, Now, SessionAction};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
-use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
-#[cfg(not(target_arch = "wasm32"))]
-use foveal_core::view::picture::Picture;
-#[cfg(not(target_arch = "wasm32"))]
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Resident units of an asset and what draws them.
+/// Resident units of assets and what draws them, one drawer an asset, in a session's order.
+///
+/// Assets are drawn in that order into one picture, each over those before it: a scene stands in
+/// front of a video, which covers all of the picture.
 pub struct Drawer {
     device: DrawDevice,
-    layer: Layer,
+    assets: Vec<AssetDrawer>,
     /// Units that did not fit to what is there.
     refused: u64,
-    on_the_way: OnTheWay,
-}
-
-/// A kind of content, and how it is drawn.
-enum Layer {
-    Tiles(Box<TileDrawer>),
-    Scene(Box<SceneDrawer>, Arc<Scene>),
-}
-
-/// Units of a scene on their way, as what draws has them.
-#[derive(Default)]
-struct OnTheWay {
-    morphs: Morphs,
-    /// When they were moved last.
-    at: Seconds,
 }
 
 impl Drawer {
@@ -71,12 +42,7 @@ impl Drawer {
         style: TileStyle,
     ) -> Result<Self, RenderError> {
         let tiles = TileDrawer::new(device, video, style)?;
-        Ok(Self {
-            device: device.clone(),
-            layer: Layer::Tiles(Box::new(tiles)),
-            refused: 0,
-            on_the_way: OnTheWay::default(),
-        })
+        Ok(Self::of(device, AssetDrawer::Tiles(Box::new(tiles))))
     }
 
     /// Draws a scene whose units may take `most_bytes` on the GPU; nothing is resident yet.
@@ -88,15 +54,23 @@ impl Drawer {
         scene: &Arc<Scene>,
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
-        let about = scene.pack().description();
-        let mut drawer = SceneDrawer::new(device, &about.objects, &about.textures, most_bytes)?;
-        drawer.set_refiners(scene.refiners());
-        Ok(Self {
+        let scene = DrawnScene::new(device, scene, most_bytes)?;
+        Ok(Self::of(device, AssetDrawer::Scene(Box::new(scene))))
+    }
+
+    fn of(device: &DrawDevice, asset: AssetDrawer) -> Self {
+        Self {
             device: device.clone(),
-            layer: Layer::Scene(Box::new(drawer), Arc::clone(scene)),
+            assets: vec![asset],
             refused: 0,
-            on_the_way: OnTheWay::default(),
-        })
+        }
+    }
+
+    /// Draws the assets of another after its own, on its own device: both must be of the same.
+    #[must_use]
+    pub fn then(mut self, other: Self) -> Self {
+        self.assets.extend(other.assets);
+        self
     }
 
     /// What draws.
@@ -105,55 +79,44 @@ impl Drawer {
         &self.device
     }
 
-    /// How tiles become a picture; of a scene as by default.
+    /// What only tiles have, of the first asset that is of tiles.
     #[must_use]
-    pub fn style(&self) -> TileStyle {
-        match &self.layer {
-            Layer::Tiles(tiles) => tiles.style(),
-            Layer::Scene(..) => TileStyle::default(),
-        }
+    pub fn tiles(&self) -> Option<&TileDrawer> {
+        self.assets.iter().find_map(|asset| match asset {
+            AssetDrawer::Tiles(tiles) => Some(&**tiles),
+            AssetDrawer::Scene(_) => None,
+        })
     }
 
-    /// From now on shows tiles like this; `true` where all of them must come again. What cannot be
-    /// shown leaves everything as it was.
-    ///
-    /// # Errors
-    /// The device cannot hold what the style needs.
-    pub fn restyle(&mut self, style: TileStyle) -> Result<bool, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.restyle(style),
-            Layer::Scene(..) => Ok(false),
-        }
+    /// The same, to be changed.
+    pub fn tiles_mut(&mut self) -> Option<&mut TileDrawer> {
+        self.assets.iter_mut().find_map(|asset| match asset {
+            AssetDrawer::Tiles(tiles) => Some(&mut **tiles),
+            AssetDrawer::Scene(_) => None,
+        })
     }
 
-    /// Makes the mask that samples are shown by, where there is none for this view; takes about a
-    /// second. `true` where tiles must come again to be sampled.
-    ///
-    /// # Errors
-    /// The mask is larger than the device binds.
-    pub fn prepare(&mut self, config: &PolicyConfig, view: &EyeView) -> Result<bool, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.prepare(config, view),
-            Layer::Scene(..) => Ok(false),
-        }
-    }
-
-    /// Number of samples that are shown; `None` where tiles or meshes are.
+    /// What only scenes have, of the first asset that is one.
     #[must_use]
-    pub fn samples(&self) -> Option<usize> {
-        match &self.layer {
-            Layer::Tiles(tiles) => tiles.samples(),
-            Layer::Scene(..) => None,
-        }
+    pub fn scene(&self) -> Option<&DrawnScene> {
+        self.assets.iter().find_map(|asset| match asset {
+            AssetDrawer::Scene(scene) => Some(&**scene),
+            AssetDrawer::Tiles(_) => None,
+        })
     }
 
-    /// Triangles of a scene that the last picture drew; of video none.
-    #[must_use]
-    pub fn triangles_drawn(&self) -> u64 {
-        match &self.layer {
-            Layer::Tiles(_) => 0,
-            Layer::Scene(scene, _) => scene.triangles_drawn(),
-        }
+    /// The same, to be changed.
+    pub fn scene_mut(&mut self) -> Option<&mut DrawnScene> {
+        self.scenes().next().map(|(_, scene)| scene)
+    }
+
+    /// All scenes, each with its asset.
+    fn scenes(&mut self) -> impl Iterator<Item = (AssetId, &mut DrawnScene)> {
+        let numbered = (0..).map(AssetId).zip(&mut self.assets);
+        numbered.filter_map(|(asset, drawer)| match drawer {
+            AssetDrawer::Scene(scene) => Some((asset, &mut **scene)),
+            AssetDrawer::Tiles(_) => None,
+        })
     }
 
     /// Gives a session what parts of the view units would refine, where it chooses by that: what
@@ -162,43 +125,38 @@ impl Drawer {
     /// # Errors
     /// The device was lost, or binds no buffer for as many units.
     pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(_) => Ok(()),
-            Layer::Scene(drawer, scene) => drawer.measure(session, moment, &style_of(scene, None)),
+        if !session.needs_footprints() {
+            return Ok(());
         }
+        let is_shown = session.shown_tick().is_some();
+        let mut expects = None;
+        for (asset, scene) in self.scenes() {
+            if let Some(footprints) = scene.measured()? {
+                session.see(asset, footprints);
+            }
+            if is_shown && scene.is_due(moment) {
+                scene.begin_measuring(moment)?;
+            }
+            expects = Some(expects.unwrap_or(false) | scene.is_measuring());
+        }
+        if let Some(expects) = expects {
+            session.expect_footprints(expects);
+        }
+        Ok(())
     }
 
-    /// The image of units that would refine what a view shows of a scene, as
-    /// [`SceneLayer::ids`](crate::SceneLayer::ids) draws it; `None` of a video, and where no GPU
-    /// draws.
-    ///
-    /// # Errors
-    /// The picture is larger than the device draws.
-    pub fn ids(&mut self, view: &EyeView) -> Result<Option<&wgpu::Texture>, RenderError> {
-        let Layer::Scene(drawer, scene) = &mut self.layer else {
-            return Ok(None);
-        };
-        let style = style_of(scene, None);
-        let layer = drawer.layer();
-        layer.map(|layer| layer.ids(view, &style)).transpose()
-    }
-
-    /// Moves what follows the gaze: the samples and the blur.
+    /// Keeps room for the pictures of these views, and returns how many bytes units may use on the
+    /// GPU next to them; `None` where nothing is bounded.
     ///
     /// # Errors
     /// The device was lost.
-    pub fn follow(&mut self, gaze: &GazeSample, view: &EyeView) -> Result<(), RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.follow(gaze, view),
-            Layer::Scene(..) => Ok(()),
+    pub fn expect(&mut self, views: &[EyeView]) -> Result<Option<u64>, RenderError> {
+        let mut least = None;
+        for (_, scene) in self.scenes() {
+            let room = scene.expect(views)?;
+            least = least.into_iter().chain(room).min();
         }
-    }
-
-    /// From now on source frame `frame` is shown.
-    pub fn begin_frame(&mut self, frame: u32) {
-        if let Layer::Tiles(tiles) = &mut self.layer {
-            tiles.begin_frame(frame);
-        }
+        Ok(least)
     }
 
     /// Makes a piece resident.
@@ -206,50 +164,19 @@ impl Drawer {
     /// # Errors
     /// It is not what its unit should be, or the device was lost.
     pub fn upload(&mut self, piece: Piece, payload: Payload) -> Result<(), RenderError> {
-        match (&mut self.layer, payload) {
-            (Layer::Tiles(tiles), Payload::Picture(picture)) => tiles.upload(piece, picture),
-            (Layer::Scene(drawer, scene), Payload::Mesh(says)) => {
-                let unit = piece.unit.unit;
-                let row = scene.pack().row(unit);
-                drawer.upload(&ComingUnit {
-                    unit,
-                    object: row.object,
-                    level: scene.pack().level_of(unit),
-                    needs: scene.needs(unit),
-                    says: &says,
-                })
-            }
-            (Layer::Scene(drawer, scene), Payload::Points(says)) => {
-                let unit = piece.unit.unit;
-                let row = scene.pack().row(unit);
-                let refines = scene.needs(unit).first().zip(row.replaces.first());
-                drawer.upload_points(&ComingPoints {
-                    unit,
-                    object: row.object,
-                    level: scene.pack().level_of(unit),
-                    refines: refines.map(|(need, octant)| (*need, octant.part)),
-                    says: &says,
-                })
-            }
-            (Layer::Scene(drawer, scene), Payload::Image(says)) => {
-                let unit = piece.unit.unit;
-                let is_there = drawer.upload_page(&ComingPage {
-                    unit,
-                    needs: scene.needs(unit),
-                    says: &says,
-                })?;
-                self.refused += u64::from(!is_there);
-                Ok(())
-            }
-            _ => Err(RenderError::OtherKind),
-        }
+        let asset = self.assets.get_mut(usize::from(piece.unit.asset.0));
+        let is_there = asset
+            .ok_or(RenderError::OtherKind)?
+            .upload(piece, payload)?;
+        self.refused += u64::from(!is_there);
+        Ok(())
     }
 
     /// Evicts all units but these and the coarsest level.
     pub fn keep(&mut self, units: &[UnitRef]) {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.keep(units),
-            Layer::Scene(scene, _) => scene.keep(&units.iter().map(|it| it.unit).collect()),
+        for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
+            let of_asset = units.iter().filter(|unit| unit.asset == asset);
+            drawer.keep(&of_asset.copied().collect::<Vec<_>>());
         }
     }
 
@@ -276,10 +203,9 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        // Points do not move.
-                        let moves = matches!(payload, Payload::Mesh(_));
+                        let moves = moves(payload.view());
                         match self.upload(piece, payload) {
-                            Ok(()) => came.extend(moves.then_some(piece.unit.unit)),
+                            Ok(()) => came.extend(moves.then_some(piece.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(error) if error.is_of_unit() => self.refused += 1,
                             Err(other) => return Err(other),
@@ -295,63 +221,45 @@ impl Drawer {
                 other => left.push(other),
             }
         }
-        changed |= self.morph(&came, now);
+        for (asset, scene) in self.scenes() {
+            let came = came.iter().filter(|unit| unit.asset == asset);
+            let came: Vec<_> = came.map(|unit| unit.unit).collect();
+            changed |= scene.morph(&came, now);
+        }
         Ok((changed, left))
     }
 
-    /// Moves on what is on its way in a scene, with the units that `came`; whether there is any.
-    fn morph(&mut self, came: &[UnitId], now: &Now) -> bool {
-        let (Layer::Scene(drawer, scene), OnTheWay { morphs, at }) =
-            (&mut self.layer, &mut self.on_the_way)
-        else {
-            return false;
-        };
-        let was_any = morphs.is_any();
-        if !was_any && came.is_empty() {
-            return false;
+    /// From now on source frame `frame` of videos is shown.
+    fn begin_frame(&mut self, frame: u32) {
+        for asset in &mut self.assets {
+            if let AssetDrawer::Tiles(tiles) = asset {
+                tiles.begin_frame(frame);
+            }
         }
-        let witness = StepWitness::new(&now.moment);
-        morphs.advance(&witness, now.wall);
-        for unit in came {
-            morphs.begin(scene, *unit, &witness, now.wall);
-        }
-        *at = now.wall;
-        let changes = was_any || morphs.is_any();
-        if changes {
-            drawer.morph(&morphs.shares(*at));
-        }
-        changes
     }
 
     /// Whether units of a scene are on their way to their places: the picture changes by itself
     /// until they are there.
     #[must_use]
     pub fn is_morphing(&self) -> bool {
-        self.on_the_way.morphs.is_any()
+        self.assets.iter().any(|asset| match asset {
+            AssetDrawer::Tiles(_) => false,
+            AssetDrawer::Scene(scene) => scene.is_morphing(),
+        })
     }
 
-    /// Units of a scene that did not fit to those that were there: they are damaged, and so are
-    /// those that need them; coarser ones are shown.
+    /// Units that did not fit to those that were there: they are damaged, and so are those that
+    /// need them; coarser ones are shown.
     #[must_use]
     pub fn refused_units(&self) -> u64 {
         self.refused
     }
 
-    /// Resident units that hold another frame than the one shown.
-    pub fn wrong_frame_units(&mut self) -> usize {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.wrong_frame_units(),
-            Layer::Scene(..) => 0,
-        }
-    }
-
-    /// Bytes of GPU memory in use.
+    /// Bytes of GPU memory in use: of tiles, samples and tables of a video; of a scene also of
+    /// pictures and their depths, which count against its bound.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        match &self.layer {
-            Layer::Tiles(tiles) => tiles.gpu_bytes(),
-            Layer::Scene(scene, _) => scene.gpu_bytes(),
-        }
+        self.assets.iter().map(AssetDrawer::gpu_bytes).sum()
     }
 
     /// The texture of the picture that a view shows on the GPU, with `marks` over it if there are
@@ -364,10 +272,11 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<&wgpu::Texture>, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.draw(view, marks),
-            Layer::Scene(drawer, scene) => drawer.draw(view, &style_of(scene, marks)),
-        }
+        let Some((last, before)) = self.assets.split_last_mut() else {
+            return Ok(None);
+        };
+        let under = AssetDrawer::all_under(before, &self.device, view, marks)?;
+        last.draw(&under, view, marks)
     }
 
     /// The picture that a view shows, on its way to main memory; `None` when nothing draws, or
@@ -380,10 +289,11 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<DrawnPicture>, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.read(view, marks),
-            Layer::Scene(drawer, scene) => drawer.read(view, &style_of(scene, marks)),
-        }
+        let Some((last, before)) = self.assets.split_last_mut() else {
+            return Ok(None);
+        };
+        let under = AssetDrawer::all_under(before, &self.device, view, marks)?;
+        last.read(&under, view, marks)
     }
 }
 
@@ -400,10 +310,11 @@ impl Drawer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<Option<RgbaImage>, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.picture(view, marks),
-            Layer::Scene(drawer, scene) => drawer.picture(view, &style_of(scene, marks)),
-        }
+        let Some((last, before)) = self.assets.split_last_mut() else {
+            return Ok(None);
+        };
+        let under = AssetDrawer::all_under(before, &self.device, view, marks)?;
+        last.picture(&under, view, marks)
     }
 
     /// [`Self::measure`], waiting for what is drawn now.
@@ -415,96 +326,12 @@ impl Drawer {
         session: &mut Session,
         moment: &Moment,
     ) -> Result<(), RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(_) => Ok(()),
-            Layer::Scene(drawer, scene) => {
-                drawer.measure_now(session, moment, &style_of(scene, None))
+        let is_shown = session.needs_footprints() && session.shown_tick().is_some();
+        for (asset, scene) in self.scenes().filter(|_| is_shown) {
+            if scene.is_due(moment) {
+                session.see(asset, scene.footprints(moment)?);
             }
         }
-    }
-
-    /// What parts of the view units of a scene would refine of what is drawn now; of a video none.
-    /// Blocks.
-    ///
-    /// # Errors
-    /// The device was lost, or binds no buffer for as many units.
-    pub fn footprints(&mut self, moment: &Moment) -> Result<Footprints, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(_) => Ok(Footprints::default()),
-            Layer::Scene(drawer, scene) => drawer.footprints(moment, &style_of(scene, None)),
-        }
-    }
-
-    /// From now on paints over pictures of a scene what each unit that would refine them is worth
-    /// to this viewer, with these parameters, by the footprints measured now; or nothing. Over a
-    /// video it paints nothing. Blocks.
-    ///
-    /// # Errors
-    /// The device was lost, or binds no buffer for as many units.
-    pub fn mark_worth(
-        &mut self,
-        viewer: Option<(&Parameters, &Moment)>,
-    ) -> Result<(), RenderError> {
-        let Layer::Scene(drawer, scene) = &mut self.layer else {
-            return Ok(());
-        };
-        let Some((parameters, moment)) = viewer else {
-            return drawer.mark(None);
-        };
-        let footprints = drawer.footprints(moment, &style_of(scene, None))?;
-        let worths = shares_of_worth(scene, parameters, moment, &footprints);
-        drawer.mark(Some(&worths))
-    }
-
-    /// [`Self::picture`] with every unit of a scene in its place already.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn picture_in_place(&mut self, view: &EyeView) -> Result<Option<RgbaImage>, RenderError> {
-        if let Layer::Scene(drawer, _) = &mut self.layer {
-            drawer.morph(&BTreeMap::new());
-        }
-        let picture = self.picture(view, None);
-        if let Layer::Scene(drawer, _) = &mut self.layer {
-            let OnTheWay { morphs, at } = &self.on_the_way;
-            drawer.morph(&morphs.shares(*at));
-        }
-        picture
-    }
-
-    /// Waits until what was uploaded is where it is drawn from.
-    ///
-    /// # Errors
-    /// The device was lost.
-    pub fn settle(&mut self) -> Result<(), RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.settle(),
-            Layer::Scene(..) => Ok(()),
-        }
-    }
-
-    /// The samples of a resident tile, as whatever draws holds them; `None` where it holds none by
-    /// themselves, and of a scene. Blocks: for reports, not for playing.
-    ///
-    /// # Errors
-    /// It is not resident.
-    pub fn read_unit(&mut self, unit: UnitRef) -> Result<Option<Picture>, RenderError> {
-        match &mut self.layer {
-            Layer::Tiles(tiles) => tiles.read_unit(unit),
-            Layer::Scene(..) => Ok(None),
-        }
-    }
-}
-
-/// Depth from which on a scene is drawn, in shares of its radius.
-const NEAR: f64 = 1e-4;
-
-/// How a scene is drawn with these marks: of them it has the colours of levels.
-fn style_of(scene: &Scene, marks: Option<&Overlay>) -> SceneStyle {
-    SceneStyle {
-        tint: marks.map_or(0.0, |marks| marks.heat),
-        look: scene.pack().description().look,
-        near: (scene.bounds().radius * NEAR).max(f64::from(f32::MIN_POSITIVE)),
-        ..SceneStyle::default()
+        Ok(())
     }
 }

@@ -185,12 +185,8 @@ fn a_cloud_refined_in_part() {
     let gpu = Gpu::open_blocking().unwrap();
     let mut layer = SceneLayer::new(&gpu, &[ball::cloud()], &[], 1 << 24).unwrap();
     let [root, fine] = ball::units();
-    layer
-        .upload_points(&ball::coming(ball::ROOT, &root, 0))
-        .unwrap();
-    layer
-        .upload_points(&ball::coming(ball::FINE, &fine, 0))
-        .unwrap();
+    layer.upload(&ball::coming(ball::ROOT, &root, 0)).unwrap();
+    layer.upload(&ball::coming(ball::FINE, &fine, 0)).unwrap();
     let view = torus::view([0.0, 0.4, 4.0], [0.0, -6.0], [96, 64]);
     let tinted = SceneStyle {
         tint: 0.5,

@@ -11,6 +11,8 @@ mod golden;
 mod hiding;
 mod importance;
 mod kastner;
+#[path = "../../core/tests/made_video/mod.rs"]
+mod made_video;
 mod meshes;
 mod morphs;
 mod optics;
@@ -21,4 +23,5 @@ mod residency;
 mod shaders;
 mod textures;
 mod twins;
+mod two_assets;
 mod warp;

@@ -6,6 +6,7 @@ use crate::common::torus::{
 };
 use crate::common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::{SceneLook, SceneObject};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
@@ -17,8 +18,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_render::meshes::unit_bytes;
 use foveal_render::twin::TwinScene;
 use foveal_render::{
-    ComingUnit, Culling, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer,
-    SceneStyle,
+    Coming, Culling, DrawDevice, Gpu, RenderError, RgbaImage, SceneDrawer, SceneLayer, SceneStyle,
+    Under,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -48,7 +49,7 @@ impl Torus {
         }
     }
 
-    fn coming(&self) -> impl Iterator<Item = ComingUnit<'_>> {
+    fn coming(&self) -> impl Iterator<Item = Coming<'_>> {
         let numbered = self.units.iter().zip(0..);
         numbered.map(|(says, unit)| match unit {
             0 => coming_root(says),
@@ -58,7 +59,8 @@ impl Torus {
 
     fn on_gpu(&self, gpu: &Gpu) -> SceneLayer {
         let mut layer = SceneLayer::new(gpu, &self.objects, &[], MOST_BYTES).unwrap();
-        self.coming().for_each(|it| layer.upload(&it).unwrap());
+        self.coming()
+            .for_each(|it| assert!(layer.upload(&it).unwrap()));
         layer
     }
 
@@ -194,7 +196,7 @@ fn clusters_that_show_their_backs_are_left_out_unless_both_sides_are_seen() {
             }],
             units: units.clone(),
         };
-        let roots = units.iter().zip(0..).map(|(says, unit)| ComingUnit {
+        let roots = units.iter().zip(0..).map(|(says, unit)| Coming {
             unit: UnitId(unit),
             ..coming_root(says)
         });
@@ -317,17 +319,18 @@ fn units_come_and_go_as_long_as_their_bytes_fit() {
             continue;
         }
         let says = &says[which as usize];
-        let coming = ComingUnit {
+        let coming = Coming {
             unit: UnitId(unit),
             object,
             level: u8::from(which == 0),
             needs: &needs[..usize::from(which != 0)],
-            says,
+            part: None,
+            says: PayloadView::Mesh(says),
         };
         let bytes = there.values().sum::<u64>() + unit_bytes(says);
         match layer.upload(&coming) {
-            Ok(()) => {
-                assert!(bytes <= most);
+            Ok(is_there) => {
+                assert!(is_there && bytes <= most);
                 twin.upload(&coming).unwrap();
                 there.insert(unit, unit_bytes(says));
             }
@@ -442,7 +445,7 @@ fn a_unit_that_does_not_fit_to_what_is_there_is_refused_with_a_reason() {
         early.to_string().contains("unit 1, prerequisite"),
         "{early}"
     );
-    let stray = ComingUnit {
+    let stray = Coming {
         object: 7,
         ..coming_root(&torus.units[0])
     };
@@ -466,13 +469,19 @@ fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
     let gpu = DrawDevice::Gpu(Gpu::open_blocking().unwrap());
     let pictures = [gpu, DrawDevice::Twin, DrawDevice::Nothing].map(|device| {
         let mut drawer = SceneDrawer::new(&device, &torus.objects, &[], MOST_BYTES).unwrap();
-        torus.coming().for_each(|it| drawer.upload(&it).unwrap());
+        torus
+            .coming()
+            .for_each(|it| assert!(drawer.upload(&it).unwrap()));
         drawer.keep(&HashSet::from([UnitId(2)]));
+        let under = Under::default();
         let draws_on_gpu = matches!(device, DrawDevice::Gpu(_));
-        assert_eq!(drawer.draw(&view, &style).unwrap().is_some(), draws_on_gpu);
+        assert_eq!(
+            drawer.draw(&under, &view, &style).unwrap().is_some(),
+            draws_on_gpu
+        );
         assert_eq!(drawer.gpu_bytes() > 0, draws_on_gpu);
-        let picture = drawer.picture(&view, &style).unwrap();
-        let read = drawer.read(&view, &style).unwrap().is_some();
+        let picture = drawer.picture(&under, &view, &style).unwrap();
+        let read = drawer.read(&under, &view, &style).unwrap().is_some();
         assert_eq!(read, picture.is_some());
         let triangles = if read { 13 * 32 + 3 * 64 } else { 0 };
         assert_eq!(drawer.triangles_drawn(), triangles);

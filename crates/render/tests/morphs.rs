@@ -6,7 +6,7 @@ use foveal_core::content::mesh::payload::{Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
+use foveal_render::{Coming, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{BTreeMap, HashSet};
 
 const SIZE: [u32; 2] = [192, 128];
@@ -22,9 +22,9 @@ impl Units {
         Self([root(), first, refinement(&[9, 13, 8]), above])
     }
 
-    fn all(&self) -> [ComingUnit<'_>; 4] {
+    fn all(&self) -> [Coming<'_>; 4] {
         let [root, first, second, above] = &self.0;
-        let above = ComingUnit {
+        let above = Coming {
             needs: &[UnitId(1)],
             ..coming(3, above)
         };
@@ -41,7 +41,7 @@ impl Units {
         let units = self.all();
         units[..count]
             .iter()
-            .for_each(|it| layer.upload(it).unwrap());
+            .for_each(|it| assert!(layer.upload(it).unwrap()));
         layer
     }
 

@@ -56,13 +56,13 @@ fn assert_alike(name: &str, layer: &mut SceneLayer, twin: &TwinScene, style: &Sc
 fn a_cloud_is_drawn_as_by_its_twin_coarse_and_refined_and_coarse_again() {
     let [root, fine] = units();
     let (mut layer, mut twin) = both(&[cloud()]);
-    layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
-    twin.upload_points(&coming(ROOT, &root, 0)).unwrap();
+    layer.upload(&coming(ROOT, &root, 0)).unwrap();
+    twin.upload(&coming(ROOT, &root, 0)).unwrap();
     let style = SceneStyle::default();
     assert_alike("coarse", &mut layer, &twin, &style);
     let coarse = layer.picture(&in_front(), &style).unwrap();
-    layer.upload_points(&coming(FINE, &fine, 0)).unwrap();
-    twin.upload_points(&coming(FINE, &fine, 0)).unwrap();
+    layer.upload(&coming(FINE, &fine, 0)).unwrap();
+    twin.upload(&coming(FINE, &fine, 0)).unwrap();
     for (name, tint) in [("refined", 0.0), ("levels", 0.6)] {
         let style = SceneStyle { tint, ..style };
         assert_alike(name, &mut layer, &twin, &style);
@@ -79,8 +79,8 @@ fn clouds_and_meshes_hide_each_other_by_depth() {
     let (mut layer, mut twin) = both(&[object(ALL), cloud()]);
     layer.upload(&coming_root(&mesh_root)).unwrap();
     twin.upload(&coming_root(&mesh_root)).unwrap();
-    layer.upload_points(&coming(ROOT, &cloud_root, 1)).unwrap();
-    twin.upload_points(&coming(ROOT, &cloud_root, 1)).unwrap();
+    layer.upload(&coming(ROOT, &cloud_root, 1)).unwrap();
+    twin.upload(&coming(ROOT, &cloud_root, 1)).unwrap();
     assert_alike("with_torus", &mut layer, &twin, &SceneStyle::default());
 }
 
@@ -88,8 +88,8 @@ fn clouds_and_meshes_hide_each_other_by_depth() {
 fn leaving_out_what_is_beside_the_view_changes_no_pixel() {
     let [root, fine] = units();
     let (mut layer, _) = both(&[cloud()]);
-    layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
-    layer.upload_points(&coming(FINE, &fine, 0)).unwrap();
+    layer.upload(&coming(ROOT, &root, 0)).unwrap();
+    layer.upload(&coming(FINE, &fine, 0)).unwrap();
     let all = SceneStyle {
         culls: Culling::NONE,
         ..SceneStyle::default()
@@ -107,10 +107,10 @@ fn the_image_of_units_tells_what_would_refine_the_points() {
     let gpu = Gpu::open_blocking().unwrap();
     let mut layer = SceneLayer::new(&gpu, &[cloud()], &[], MOST_BYTES).unwrap();
     let mut twin = TwinScene::new(&[cloud()], &[]);
-    layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
-    layer.upload_points(&coming(FINE, &fine, 0)).unwrap();
-    twin.upload_points(&coming(ROOT, &root, 0)).unwrap();
-    twin.upload_points(&coming(FINE, &fine, 0)).unwrap();
+    layer.upload(&coming(ROOT, &root, 0)).unwrap();
+    layer.upload(&coming(FINE, &fine, 0)).unwrap();
+    twin.upload(&coming(ROOT, &root, 0)).unwrap();
+    twin.upload(&coming(FINE, &fine, 0)).unwrap();
     let of_root = (0..8).map(|octant| ((ROOT, octant), UnitId(100 + u32::from(octant))));
     let of_fine = (0..8).map(|octant| ((FINE, octant), UnitId(200 + u32::from(octant))));
     let refiners: HashMap<_, _> = of_root.chain(of_fine).collect();
@@ -133,14 +133,14 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     let [root, fine] = units();
     let gpu = Gpu::open_blocking().unwrap();
     let mut layer = SceneLayer::new(&gpu, &[cloud()], &[], 24 << 10).unwrap();
-    let early = layer.upload_points(&coming(FINE, &fine, 0));
+    let early = layer.upload(&coming(FINE, &fine, 0));
     assert!(
         matches!(early, Err(RenderError::Misfit { .. })),
         "{early:?}"
     );
-    layer.upload_points(&coming(ROOT, &root, 0)).unwrap();
+    layer.upload(&coming(ROOT, &root, 0)).unwrap();
     let before = layer.picture(&in_front(), &SceneStyle::default()).unwrap();
-    let large = layer.upload_points(&coming(FINE, &fine, 0));
+    let large = layer.upload(&coming(FINE, &fine, 0));
     assert!(
         matches!(large, Err(RenderError::NoRoom { .. })),
         "{large:?}"

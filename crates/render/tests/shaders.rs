@@ -2,10 +2,10 @@
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
-use foveal_render::meshes::footprints::GazedParams;
-use foveal_render::meshes::params::{HalvingParams, PlacementParams, SceneParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::points::params::{CloudViewParams, CubeParams};
+use foveal_render::scene::footprints::GazedParams;
+use foveal_render::scene::params::{HalvingParams, PlacementParams, SceneParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
     halve_depths, importance, interpolate_sparse, mark_units, overlay, reconstruct,

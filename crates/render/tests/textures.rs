@@ -79,8 +79,8 @@ fn drawn(
     let gpu = Gpu::open_blocking().unwrap();
     let (mut layer, mut twin) = (scene.on_gpu(&gpu), scene.in_memory());
     for page in scene.pages.iter().filter(|it| there(it)) {
-        assert!(layer.upload_page(&page.coming()).unwrap());
-        twin.upload_page(&page.coming()).unwrap();
+        assert!(layer.upload(&page.coming()).unwrap());
+        twin.upload(&page.coming()).unwrap();
     }
     let style = SceneStyle::default();
     let picture = layer.picture(view, &style).unwrap();
@@ -243,8 +243,8 @@ fn evicted_pages_are_drawn_coarser_again_and_their_place_is_used_anew() {
                     .any(|it| wanted.contains(&it.unit) && it.needs.contains(&page.unit))
                 || page.needs.is_empty();
             if is_needed {
-                layer.upload_page(&page.coming()).unwrap();
-                twin.upload_page(&page.coming()).unwrap();
+                layer.upload(&page.coming()).unwrap();
+                twin.upload(&page.coming()).unwrap();
             }
         }
         let [drawn, expected] = [
@@ -286,7 +286,7 @@ fn pages_beyond_the_memory_are_left_coarse() {
     let mut there = HashSet::new();
     for page in &scene.pages {
         let is_alone = page.needs.iter().any(|it| !there.contains(it));
-        if !is_alone && layer.upload_page(&page.coming()).unwrap() {
+        if !is_alone && layer.upload(&page.coming()).unwrap() {
             there.insert(page.unit);
         }
     }

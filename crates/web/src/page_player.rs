@@ -24,7 +24,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::flight::Steering;
 use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Screen;
-use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError};
+use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError, TileDrawer};
 
 /// A log grows no longer than this, in bytes.
 const MOST_LOG: usize = 64 << 20;
@@ -243,7 +243,7 @@ impl PagePlayer {
     /// where it is damaged.
     pub fn deliver(&mut self, unit: u32, frame: u32, frames: u32, decoded: Option<Payload>) {
         let unit = UnitRef {
-            asset: AssetId(0),
+            asset: AssetId::ONLY,
             unit: UnitId(unit),
         };
         let piece = Piece { unit, frame };
@@ -312,6 +312,9 @@ impl PagePlayer {
         let pane = self.pane();
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
+        if let Some(bytes) = self.drawer.expect(&moment.views)? {
+            self.session.bound_gpu(bytes);
+        }
         self.drawer.measure(&mut self.session, &moment)?;
         let step = self.viewer.now(&self.session, &moment, now);
         let actions = self.session.step(&step);
@@ -352,7 +355,8 @@ impl PagePlayer {
                 SessionAction::Want(_) => wants = true,
                 SessionAction::Log(lines) => self.write(&lines),
                 SessionAction::Count => {
-                    let wrong = self.drawer.wrong_frame_units() as u64;
+                    let tiles = self.drawer.tiles_mut();
+                    let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units) as u64;
                     self.session.figures.wrong_frame_units += wrong;
                     self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
                 }

@@ -3,6 +3,7 @@
 use crate::page_player::PagePlayer;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
+use foveal_render::DrawnScene;
 use serde_json::json;
 
 impl PagePlayer {
@@ -50,7 +51,7 @@ impl PagePlayer {
             "settled": self.is_settled(),
             "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
             "position": shown.view.position.to_array(),
-            "trianglesDrawn": self.drawer.triangles_drawn(),
+            "trianglesDrawn": self.drawer.scene().map_or(0, DrawnScene::triangles_drawn),
             "zoom": self.viewer.navigation.zoom(),
             "fovDeg": self.viewer.navigation.field().to_degrees(),
             "scale": self.viewer.navigation.scale(&self.pane()),

@@ -2,13 +2,14 @@
 
 use foveal_core::content::mesh::cut::MeshCut;
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::parameters::Parameters;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::Eye;
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingUnit, SceneStyle};
+use foveal_render::{Coming, SceneStyle};
 use foveal_scene::build::{BuildOptions, Built, build};
 use foveal_scene::generate::{alone, torus};
 use foveal_scene::signatures::{SideLook, side_looks};
@@ -41,12 +42,13 @@ fn finest(built: &Built, units: &[MeshUnit]) -> Vec<[MeshVertex; 3]> {
 fn twin(built: &Built, units: &[MeshUnit]) -> TwinScene {
     let mut twin = TwinScene::new(&built.objects, &built.textures);
     for ((number, unit), says) in (0..).zip(&built.units).zip(units) {
-        let coming = ComingUnit {
+        let coming = Coming {
             unit: UnitId(number),
             object: unit.row.object,
             level: unit.level,
             needs: &unit.row.needs,
-            says,
+            part: None,
+            says: PayloadView::Mesh(says),
         };
         twin.upload(&coming).unwrap();
     }

@@ -17,3 +17,29 @@ pub enum Payload {
     /// Points of a cloud.
     Points(PointUnit),
 }
+
+/// The same, where it lies.
+#[derive(Clone, Copy, Debug)]
+pub enum PayloadView<'a> {
+    /// A tile of video.
+    Picture(&'a Picture),
+    /// Clusters of a mesh.
+    Mesh(&'a MeshUnit),
+    /// A page of a texture.
+    Image(&'a ImagePage),
+    /// Points of a cloud.
+    Points(&'a PointUnit),
+}
+
+impl Payload {
+    /// What it is, without taking it.
+    #[must_use]
+    pub fn view(&self) -> PayloadView<'_> {
+        match self {
+            Self::Picture(picture) => PayloadView::Picture(picture),
+            Self::Mesh(unit) => PayloadView::Mesh(unit),
+            Self::Image(page) => PayloadView::Image(page),
+            Self::Points(unit) => PayloadView::Points(unit),
+        }
+    }
+}

@@ -11,6 +11,11 @@ use serde::{Deserialize, Serialize};
 #[serde(transparent)]
 pub struct AssetId(pub u16);
 
+impl AssetId {
+    /// The asset of a scene that has no other.
+    pub const ONLY: Self = Self(0);
+}
+
 /// A unit of one asset of a scene: what is chosen, fetched, decoded, kept and shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct UnitRef {

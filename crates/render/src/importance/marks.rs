@@ -3,7 +3,7 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::storage;
 use crate::gpu::device::Gpu;
-use crate::gpu::picture_target::PictureTarget;
+use crate::gpu::picture_target::Area;
 use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::shaders;
 
@@ -43,7 +43,7 @@ impl UnitMarks {
     }
 
     /// Paints over a picture, of which `units` names those that would refine it, pixel by pixel.
-    pub(crate) fn paint(&self, gpu: &Gpu, units: &wgpu::Texture, picture: &PictureTarget) {
+    pub(crate) fn paint(&self, gpu: &Gpu, units: &wgpu::Texture, picture: &wgpu::TextureView) {
         let units = units.create_view(&wgpu::TextureViewDescriptor::default());
         let resources = [
             (0, wgpu::BindingResource::TextureView(&units)),
@@ -51,7 +51,8 @@ impl UnitMarks {
         ];
         let bound = self.pass.bind(gpu, &resources);
         let mut encoder = gpu.encoder("worth of units");
-        self.pass.record(&mut encoder, &bound, picture.whole());
+        self.pass
+            .record(&mut encoder, &bound, Area::of_view(picture));
         gpu.submit(encoder);
     }
 }

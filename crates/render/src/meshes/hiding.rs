@@ -4,7 +4,7 @@ use crate::error::RenderError;
 use crate::gpu::buffers::{filled, storage, written};
 use crate::gpu::compute::{Compute, Dispatch, record};
 use crate::gpu::device::Gpu;
-use crate::meshes::params::{HalvingParams, SceneParams};
+use crate::scene::params::{HalvingParams, SceneParams};
 use crate::shaders;
 
 /// Texels on a side of a workgroup.
@@ -57,9 +57,7 @@ impl Hiding {
         if self.size == size {
             return Ok(());
         }
-        let levels = 1..=levels(size);
-        let texels = levels.clone().map(|level| texels(sides(size, level)));
-        self.depths = storage(gpu, "depths that hide", 4 * texels.sum::<u64>())?;
+        self.depths = storage(gpu, "depths that hide", depth_bytes_of(size))?;
         let halving = |level| {
             let params = [HalvingParams {
                 picture: size,
@@ -68,7 +66,7 @@ impl Hiding {
             }];
             filled(gpu, "level of depths", wgpu::BufferUsages::UNIFORM, &params)
         };
-        self.levels = levels.map(halving).collect();
+        self.levels = (1..=levels(size)).map(halving).collect();
         self.size = size;
         self.is_there = false;
         Ok(())
@@ -110,10 +108,22 @@ impl Hiding {
         self.is_there = true;
     }
 
-    /// Bytes of GPU memory.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.depths.size() + self.placements.size()
+    /// Bytes of GPU memory of the placements.
+    pub(crate) fn table_bytes(&self) -> u64 {
+        self.placements.size()
     }
+
+    /// Bytes of GPU memory of the depths that are there.
+    pub(crate) fn depth_bytes(&self) -> u64 {
+        self.depths.size()
+    }
+}
+
+/// Bytes of the depths of a picture of this size.
+pub(crate) fn depth_bytes_of(size: [u32; 2]) -> u64 {
+    4 * (1..=levels(size))
+        .map(|level| texels(sides(size, level)))
+        .sum::<u64>()
 }
 
 /// Number of levels of a picture, of which the coarsest is one depth.

@@ -3,9 +3,9 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
+use crate::gpu::pool::most_bound;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gpu::readback::BytesBack;
-use crate::meshes::pool::most_bound;
 
 /// Bytes of a cluster in a list: its first word and its placement.
 const BYTES: u64 = 8;

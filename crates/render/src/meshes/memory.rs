@@ -7,13 +7,16 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::pool::{Pool, most_bound};
+use crate::gpu::room::TakenBytes;
 use crate::meshes::bounds::ClusterBounds;
-use crate::meshes::pool::{Pool, most_bound};
-use crate::meshes::units::{Moved, SceneUnits};
+use crate::meshes::units::{MeshUnits, Moved};
+use crate::scene::coming::Refiners;
 use foveal_core::content::mesh::cut::{PlacedCluster, PlacedUnit, VertexOrigin};
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// What the pools are called.
 const VERTICES: &str = "vertices of meshes";
@@ -58,31 +61,22 @@ pub(crate) struct UnitMemory {
     words: Pool,
     spans: BTreeMap<UnitId, Span>,
     used_bytes: u64,
-    most_bytes: u64,
-    /// What others take of these bytes: of those in use, and of all.
-    others: [u64; 2],
-    /// Bytes that pages of textures take besides.
-    beside_bytes: u64,
-    refiners: HashMap<(UnitId, u8), UnitId>,
+    refiners: Arc<Refiners>,
 }
 
 impl UnitMemory {
-    /// Memory for units of up to `most_bytes`; it takes up to an eighth more, so that what is free
-    /// seldom lies in too small pieces.
+    /// No unit.
     ///
     /// # Errors
     /// The device binds next to nothing.
-    pub(crate) fn new(gpu: &Gpu, most_bytes: u64) -> Result<Self, RenderError> {
+    pub(crate) fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         Ok(Self {
             gpu: gpu.clone(),
             vertices: Pool::new(gpu, VERTICES, VERTEX_BYTES, None)?,
             words: Pool::new(gpu, WORDS, WORD_BYTES, None)?,
             spans: BTreeMap::new(),
             used_bytes: 0,
-            most_bytes,
-            others: [0; 2],
-            beside_bytes: 0,
-            refiners: HashMap::new(),
+            refiners: Arc::default(),
         })
     }
 
@@ -91,41 +85,12 @@ impl UnitMemory {
         [self.vertices.buffer(), self.words.buffer()]
     }
 
-    /// Bytes of both pools, in use or not.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.vertices.bytes() + self.words.bytes()
-    }
-
-    /// Bytes of the units that are there.
-    pub(crate) fn used_bytes(&self) -> u64 {
-        self.used_bytes
-    }
-
-    /// Bytes that units may take, those of others too, and that all pools may take.
-    pub(crate) fn most(&self) -> [u64; 2] {
-        [self.most_bytes, self.most_bytes + self.most_bytes / 8]
-    }
-
-    /// From now on others take these of the bytes: of those in use, and of all.
-    pub(crate) fn share(&mut self, others: [u64; 2]) {
-        self.others = others;
-    }
-
-    /// Bytes that both pools may take.
-    fn most_taken(&self) -> u64 {
-        let taken = self.beside_bytes + self.others[1];
-        self.most()[1].saturating_sub(taken)
-    }
-
-    /// Bytes that pages may take besides both pools and clouds as they are.
-    pub(crate) fn room_beside(&self) -> u64 {
-        let taken = self.bytes() + self.others[1];
-        self.most()[1].saturating_sub(taken)
-    }
-
-    /// From now on pages take so many bytes.
-    pub(crate) fn set_beside(&mut self, bytes: u64) {
-        self.beside_bytes = bytes;
+    /// Bytes of the units that are there, and of both pools.
+    pub(crate) fn taken(&self) -> TakenBytes {
+        TakenBytes {
+            used: self.used_bytes,
+            held: self.vertices.bytes() + self.words.bytes(),
+        }
     }
 
     /// The first word of a cluster of a unit that is there.
@@ -133,22 +98,27 @@ impl UnitMemory {
         self.spans.get(&unit)?.blocks.get(cluster).copied()
     }
 
-    /// Writes a unit that is among `units` to the GPU; where what is free lies in too small pieces,
-    /// all that is there is packed again.
+    /// Writes a unit that is among `units` to the GPU, within the bytes that are left for all;
+    /// where what is free lies in too small pieces, all that is there is packed again.
     ///
     /// # Errors
     /// It does not fit: nothing changed then.
-    pub(crate) fn insert(&mut self, units: &SceneUnits, unit: UnitId) -> Result<(), RenderError> {
+    pub(crate) fn insert(
+        &mut self,
+        units: &MeshUnits,
+        unit: UnitId,
+        left: TakenBytes,
+    ) -> Result<(), RenderError> {
         let Some((_, placed)) = units.unit(unit) else {
             return Ok(());
         };
         let bytes = self.used_bytes + placed_bytes(placed).iter().sum::<u64>();
-        let most = self.most_bytes.saturating_sub(self.others[0]);
+        let most = left.used;
         if bytes > most {
             return Err(RenderError::NoRoom { bytes, most });
         }
-        if self.place(units, unit).is_none() {
-            self.pack(units, self.most_taken())?;
+        if self.place(units, unit, left.held).is_none() {
+            self.pack(units, left.held)?;
         }
         self.used_bytes = bytes;
         Ok(())
@@ -167,9 +137,9 @@ impl UnitMemory {
     }
 
     /// From now on these units refine clusters, of units that are there or come.
-    pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
-        self.refiners = refiners;
-        for ((unit, cluster), refiner) in &self.refiners {
+    pub(crate) fn set_refiners(&mut self, refiners: &Arc<Refiners>) {
+        self.refiners = Arc::clone(refiners);
+        for ((unit, cluster), refiner) in refiners.iter() {
             if let Some(block) = self.block(*unit, usize::from(*cluster)) {
                 let word = block + REFINER_WORD;
                 self.words.write(&self.gpu, word, &[refiner.0]);
@@ -177,27 +147,23 @@ impl UnitMemory {
         }
     }
 
-    /// One more than the largest number of a unit that refines something.
-    pub(crate) fn refining_units(&self) -> u32 {
-        let units = self.refiners.values().map(|unit| unit.0 + 1);
-        units.max().unwrap_or_default()
-    }
-
-    /// Leaves as much room to others as it can, where it takes much more than it needs.
+    /// Leaves as much room to others as it can where it `must`, else where it takes much more than
+    /// it needs. Whether anything lies elsewhere then.
     ///
     /// # Errors
     /// None that it did not have before.
-    pub(crate) fn tighten(&mut self, units: &SceneUnits) -> Result<(), RenderError> {
-        let enough = self.used_bytes + self.used_bytes / 4;
-        match self.bytes() > enough {
-            true => self.pack(units, 0),
-            false => Ok(()),
+    pub(crate) fn give_back(&mut self, units: &MeshUnits, must: bool) -> Result<bool, RenderError> {
+        let TakenBytes { used, held } = self.taken();
+        let packs = must || held > used + used / 4;
+        if packs {
+            self.pack(units, 0)?;
         }
+        Ok(packs)
     }
 
     /// Rewrites all units, one after the other, in pools of so many bytes, but of an eighth more
     /// than they need at least.
-    pub(crate) fn pack(&mut self, units: &SceneUnits, most: u64) -> Result<(), RenderError> {
+    fn pack(&mut self, units: &MeshUnits, most: u64) -> Result<(), RenderError> {
         let most_bound = most_bound(&self.gpu);
         let mut needed = [0; 2];
         for (_, _, placed) in units.all() {
@@ -221,14 +187,14 @@ impl UnitMemory {
         self.words = Pool::new(&self.gpu, WORDS, WORD_BYTES, words)?;
         self.spans.clear();
         for (unit, _, _) in units.all() {
-            let placed = self.place(units, unit);
+            let placed = self.place(units, unit, 0);
             assert!(placed.is_some(), "unit {} fits no more once packed", unit.0);
         }
         Ok(())
     }
 
     /// Writes what moved of units that are there.
-    pub(crate) fn rewrite(&self, units: &SceneUnits, moved: &Moved) {
+    pub(crate) fn rewrite(&self, units: &MeshUnits, moved: &Moved) {
         for unit in &moved.vertices {
             if let Some(span) = self.spans.get(unit) {
                 self.write_vertices(units, *unit, span.first);
@@ -247,22 +213,23 @@ impl UnitMemory {
     }
 
     /// Writes the new vertices of a unit as they are now.
-    fn write_vertices(&self, units: &SceneUnits, unit: UnitId, first: u32) {
+    fn write_vertices(&self, units: &MeshUnits, unit: UnitId, first: u32) {
         let vertices = units.new_vertices_now(unit).iter();
         let packed: Vec<u32> = vertices.flat_map(vertex_words).collect();
         self.vertices.write(&self.gpu, first, &packed);
     }
 
-    /// Finds a place for a unit and writes it there; `None` where there is none.
-    fn place(&mut self, units: &SceneUnits, unit: UnitId) -> Option<()> {
+    /// Finds a place for a unit in pools of up to `most` bytes together and writes it there; `None`
+    /// where there is none.
+    fn place(&mut self, units: &MeshUnits, unit: UnitId, most: u64) -> Option<()> {
         let (note, placed) = units.unit(unit)?;
         let mut vertices = self.staying(placed)?;
         let [_, bytes] = placed_bytes(placed);
         let own_count = own_vertices(placed).len() as u32;
         let count = (bytes / WORD_BYTES) as u32;
-        let room = self.most_taken().saturating_sub(self.words.bytes());
+        let room = most.saturating_sub(self.words.bytes());
         let first = self.vertices.take(&self.gpu, own_count, room)?;
-        let room = self.most_taken().saturating_sub(self.vertices.bytes());
+        let room = most.saturating_sub(self.vertices.bytes());
         let Some(block) = self.words.take(&self.gpu, count, room) else {
             self.vertices.give_back(first, own_count);
             return None;

@@ -1,42 +1,24 @@
-//! How is the pass recorded that draws clusters?
+//! How are clusters drawn?
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
-use crate::gpu::picture_target::FORMAT;
 use crate::meshes::lists::DrawList;
-use crate::pages::PageLayer;
-use crate::shaders::{self, Shader};
+use crate::scene::kind::Textures;
+use crate::scene::phase::{Phase, nearest_pipeline};
+use crate::shaders;
 
-/// Format of the depths of clusters: the nearest is the largest, so that single precision
-/// distinguishes depths as well near as far.
-pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Format of an image of units.
-pub(crate) const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Stands for no unit in an image of units.
-const NO_UNIT: f64 = u32::MAX as f64;
 /// What the steps read: the view in front, other buffers, then pages and how they are read.
 const BINDINGS: u32 = 8;
 
-/// What is drawn of clusters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Draws {
-    /// Their colours.
-    Colours,
-    /// The units that would refine them.
-    Refiners,
-}
-
 /// The pass that draws lists of clusters: the first from outside, the second from both sides.
 pub(crate) struct ClusterPass {
-    draws: Draws,
     pipelines: [wgpu::RenderPipeline; 2],
     layout: wgpu::BindGroupLayout,
-    depth: Option<wgpu::Texture>,
 }
 
 impl ClusterPass {
     /// The pass that draws this.
-    pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
+    pub(crate) fn new(gpu: &Gpu, phase: Phase) -> Self {
         let entries: Vec<_> = (0..BINDINGS).map(entry).collect();
         let layout = gpu
             .device
@@ -45,10 +27,8 @@ impl ClusterPass {
                 entries: &entries,
             });
         Self {
-            draws,
-            pipelines: pipelines(gpu, &layout, draws),
+            pipelines: pipelines(gpu, &layout, phase),
             layout,
-            depth: None,
         }
     }
 
@@ -58,53 +38,28 @@ impl ClusterPass {
         gpu: &Gpu,
         [view, placements, words, vertices]: [&wgpu::Buffer; 4],
         shown: &wgpu::Buffer,
-        pages: &PageLayer,
+        textures: &Textures,
     ) -> wgpu::BindGroup {
-        let (table, atlas, sampler) = pages.bindings();
         let resources = [
             (0, view.as_entire_binding()),
             (1, placements.as_entire_binding()),
             (2, words.as_entire_binding()),
             (3, shown.as_entire_binding()),
             (4, vertices.as_entire_binding()),
-            (5, table.as_entire_binding()),
-            (6, wgpu::BindingResource::TextureView(&atlas)),
-            (7, wgpu::BindingResource::Sampler(sampler)),
+            (5, textures.table.as_entire_binding()),
+            (6, wgpu::BindingResource::TextureView(&textures.pages)),
+            (7, wgpu::BindingResource::Sampler(&textures.sampler)),
         ];
         bind(gpu, "clusters", &self.layout, &resources)
     }
 
-    /// Records a go over a whole picture, of which pixels have these codes where nothing stands:
-    /// the first, or the second, which draws into what the first left. `beside` draws into it what
-    /// is no cluster.
-    pub(crate) fn record(
-        &mut self,
-        (gpu, encoder): (&Gpu, &mut wgpu::CommandEncoder),
-        (picture, background): (&wgpu::Texture, [u8; 4]),
-        (go, lists): (usize, [(&DrawList, &wgpu::BindGroup); 2]),
-        beside: impl FnOnce(&mut wgpu::RenderPass<'_>),
+    /// Draws what a go found of lists, the first or the second.
+    pub(crate) fn draw<'a>(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        go: usize,
+        lists: impl Iterator<Item = (&'a DrawList, &'a wgpu::BindGroup)>,
     ) {
-        let view = picture.create_view(&wgpu::TextureViewDescriptor::default());
-        let depth = self.depth_of(gpu, picture.size());
-        let clear = match self.draws {
-            Draws::Colours => cleared(background.map(|it| f64::from(it) / 255.0)),
-            Draws::Refiners => cleared([NO_UNIT; 4]),
-        };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("clusters"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: begun(go, clear),
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth,
-                depth_ops: Some(begun(go, 0.0)),
-                stencil_ops: None,
-            }),
-            ..wgpu::RenderPassDescriptor::default()
-        });
         for (pipeline, (list, bound)) in self.pipelines.iter().zip(lists) {
             if list.count() > 0 {
                 pass.set_pipeline(pipeline);
@@ -113,50 +68,7 @@ impl ClusterPass {
                 pass.draw_indexed_indirect(list.arguments(go), 0);
             }
         }
-        beside(&mut pass);
     }
-
-    /// The depths of the picture that was drawn last.
-    pub(crate) fn depths(&self) -> Option<wgpu::TextureView> {
-        let depth = self.depth.as_ref();
-        depth.map(|it| it.create_view(&wgpu::TextureViewDescriptor::default()))
-    }
-
-    /// Depths of a picture's size.
-    fn depth_of(&mut self, gpu: &Gpu, size: wgpu::Extent3d) -> wgpu::TextureView {
-        let fitting = self.depth.take().filter(|it| it.size() == size);
-        let depth = fitting.unwrap_or_else(|| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("depths of clusters"),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: DEPTH_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        });
-        let view = depth.create_view(&wgpu::TextureViewDescriptor::default());
-        self.depth = Some(depth);
-        view
-    }
-}
-
-/// How a go begins: the first with a value everywhere, the second with what the first left.
-fn begun<V>(go: usize, value: V) -> wgpu::Operations<V> {
-    wgpu::Operations {
-        load: match go {
-            0 => wgpu::LoadOp::Clear(value),
-            _ => wgpu::LoadOp::Load,
-        },
-        store: wgpu::StoreOp::Store,
-    }
-}
-
-fn cleared([r, g, b, a]: [f64; 4]) -> wgpu::Color {
-    wgpu::Color { r, g, b, a }
 }
 
 fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
@@ -184,64 +96,8 @@ fn entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
 }
 
 /// The pipeline that draws from outside, and the one that draws from both sides.
-fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, draws: Draws) -> [wgpu::RenderPipeline; 2] {
+fn pipelines(gpu: &Gpu, layout: &wgpu::BindGroupLayout, phase: Phase) -> [wgpu::RenderPipeline; 2] {
     let shader = shaders::draw_clusters();
     [Some(wgpu::Face::Back), None]
-        .map(|cull_mode| nearest_pipeline(gpu, &shader, layout, draws, cull_mode))
-}
-
-/// A pipeline of a shader that draws what is nearest to the eye: colours in its first step, units
-/// that would refine them in its second.
-pub(crate) fn nearest_pipeline(
-    gpu: &Gpu,
-    shader: &Shader,
-    layout: &wgpu::BindGroupLayout,
-    draws: Draws,
-    cull_mode: Option<wgpu::Face>,
-) -> wgpu::RenderPipeline {
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(shader.name),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    let (step, format) = match draws {
-        Draws::Colours => (0, FORMAT),
-        Draws::Refiners => (1, UNITS_FORMAT),
-    };
-    let [vertex, fragment] = shader.steps[step];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState {
-            cull_mode,
-            ..wgpu::PrimitiveState::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
-        }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        .map(|cull_mode| nearest_pipeline(gpu, &shader, layout, phase, cull_mode))
 }

@@ -1,26 +1,12 @@
-//! Which units of a scene are there, and which must stay?
+//! Which units of meshes are there, and which must stay?
 
 use crate::error::RenderError;
 use crate::meshes::bounds::{ClusterBounds, bounds_of};
+use crate::scene::coming::Coming;
 use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
 use foveal_core::content::mesh::payload::{MeshUnit, MeshVertex};
 use foveal_core::pack::unit::UnitId;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
-
-/// A unit on its way to where it is drawn from.
-#[derive(Clone, Copy, Debug)]
-pub struct ComingUnit<'a> {
-    /// Its number.
-    pub unit: UnitId,
-    /// Number of its object.
-    pub object: u16,
-    /// Its level, 0 the finest: what it is tinted by.
-    pub level: u8,
-    /// Its prerequisites, all with lower numbers and of the same object; they are there already.
-    pub needs: &'a [UnitId],
-    /// What it says.
-    pub says: &'a MeshUnit,
-}
 
 /// What is known of a unit that is there, besides its clusters.
 #[derive(Clone, Debug)]
@@ -81,7 +67,7 @@ impl DrawnCluster<'_> {
 
 /// The units that are there.
 #[derive(Default)]
-pub(crate) struct SceneUnits {
+pub(crate) struct MeshUnits {
     objects: usize,
     cut: MeshCut,
     notes: BTreeMap<UnitId, UnitNote>,
@@ -90,7 +76,7 @@ pub(crate) struct SceneUnits {
     coarsest: u8,
 }
 
-impl SceneUnits {
+impl MeshUnits {
     /// No unit of a scene of so many objects.
     pub(crate) fn new(objects: usize) -> Self {
         Self {
@@ -103,14 +89,18 @@ impl SceneUnits {
     ///
     /// # Errors
     /// It does not fit to what is there: nothing changed then.
-    pub(crate) fn insert(&mut self, coming: &ComingUnit<'_>) -> Result<bool, RenderError> {
-        let ComingUnit { unit, needs, .. } = *coming;
+    pub(crate) fn insert(
+        &mut self,
+        coming: &Coming<'_>,
+        says: &MeshUnit,
+    ) -> Result<bool, RenderError> {
+        let Coming { unit, needs, .. } = *coming;
         if self.notes.contains_key(&unit) {
             return Ok(false);
         }
         self.check(coming)?;
-        let placed = self.cut.insert(unit, needs, coming.says)?;
-        let named = coming.says.replaces.iter();
+        let placed = self.cut.insert(unit, needs, says)?;
+        let named = says.replaces.iter();
         let replaces = named.map(|it| (needs[usize::from(it.need)], it.part));
         let note = UnitNote {
             object: coming.object,
@@ -130,7 +120,7 @@ impl SceneUnits {
         Ok(true)
     }
 
-    fn check(&self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
+    fn check(&self, coming: &Coming<'_>) -> Result<(), RenderError> {
         let misfit = |what: &str, found: String, expected: String| RenderError::Misfit {
             what: format!("unit {}, {what}", coming.unit.0),
             expected,

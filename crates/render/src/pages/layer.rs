@@ -3,23 +3,16 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::storage;
 use crate::gpu::device::Gpu;
+use crate::gpu::room::TakenBytes;
 use crate::pages::atlas::PageAtlas;
 use crate::pages::table::{PageSlot, PageTable};
-use foveal_core::content::images::payload::ImagePage;
+use crate::scene::coming::Coming;
+use crate::scene::kind::{Frame, KindLayer, Textures};
+use crate::scene::phase::{Go, Phase};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use std::collections::HashSet;
-
-/// A page of a texture on its way to where it is drawn from.
-#[derive(Clone, Copy, Debug)]
-pub struct ComingPage<'a> {
-    /// Its unit.
-    pub unit: UnitId,
-    /// Its prerequisites: the page that it lies in, which is there; of a root none.
-    pub needs: &'a [UnitId],
-    /// What it shows.
-    pub says: &'a ImagePage,
-}
 
 /// Pages on the GPU, and the table by which shaders find them.
 pub(crate) struct PageLayer {
@@ -62,34 +55,34 @@ impl PageLayer {
         &self.table
     }
 
-    /// Bytes of pages, in use or not, and of their table.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.atlas.bytes() + self.words.size()
+    /// Writes to the GPU what changed of the table.
+    fn settle(&mut self) {
+        let changed = self.table.take_changed();
+        if !changed.is_empty() {
+            let bytes = bytemuck::cast_slice(&self.table.words()[changed.clone()]);
+            let at = (changed.start * size_of::<u32>()) as u64;
+            self.gpu.queue.write_buffer(&self.words, at, bytes);
+        }
+    }
+}
+
+impl KindLayer for PageLayer {
+    fn takes(&self, coming: &Coming<'_>) -> bool {
+        matches!(coming.says, PayloadView::Image(_))
     }
 
-    /// What shaders read: the table, the pages, and how they are read.
-    pub(crate) fn bindings(&self) -> (&wgpu::Buffer, wgpu::TextureView, &wgpu::Sampler) {
-        (&self.words, self.atlas.view(), &self.sampler)
-    }
-
-    /// Adds a page, where all pages may take `most_bytes`; `false` where there is no room for it.
-    /// One that is there stays as it is.
-    ///
-    /// # Errors
-    /// It does not fit to what is there.
-    pub(crate) fn upload(
-        &mut self,
-        coming: &ComingPage<'_>,
-        most_bytes: u64,
-    ) -> Result<bool, RenderError> {
-        let ComingPage { unit, needs, says } = *coming;
+    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+        let PayloadView::Image(says) = coming.says else {
+            return Err(RenderError::OtherKind);
+        };
+        let Coming { unit, needs, .. } = *coming;
         if self.table.is_there(unit) {
             return Ok(true);
         }
         let pictures = self.table.pictures_of(unit, needs, says)?;
         let mut slots = Vec::new();
         for picture in &pictures {
-            let Some(slot) = self.atlas.take(&self.gpu, most_bytes) else {
+            let Some(slot) = self.atlas.take(&self.gpu, left.held) else {
                 self.atlas.give_back(slots);
                 return Ok(false);
             };
@@ -101,8 +94,11 @@ impl PageLayer {
         Ok(true)
     }
 
-    /// Takes away all pages but those that are wanted, what these need, and roots.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) {
+    fn remove(&mut self, _unit: UnitId) -> bool {
+        false
+    }
+
+    fn retain(&mut self, wanted: &HashSet<UnitId>) {
         let free = self.table.retain(wanted);
         self.atlas.give_back(free);
         if self.atlas.is_mostly_free() {
@@ -112,13 +108,35 @@ impl PageLayer {
         }
     }
 
-    /// Writes to the GPU what changed of the table.
-    pub(crate) fn settle(&mut self) {
-        let changed = self.table.take_changed();
-        if !changed.is_empty() {
-            let bytes = bytemuck::cast_slice(&self.table.words()[changed.clone()]);
-            let at = (changed.start * size_of::<u32>()) as u64;
-            self.gpu.queue.write_buffer(&self.words, at, bytes);
+    /// Pages give way to all other units: no room was promised to them.
+    fn taken(&self) -> TakenBytes {
+        TakenBytes {
+            used: 0,
+            held: self.atlas.bytes() + self.words.size(),
         }
     }
+
+    fn give_back(&mut self, _must: bool) -> Result<(), RenderError> {
+        // What is mostly free is given back as soon as pages go.
+        Ok(())
+    }
+
+    fn textures(&self) -> Option<Textures> {
+        Some(Textures {
+            table: self.words.clone(),
+            pages: self.atlas.view(),
+            sampler: self.sampler.clone(),
+        })
+    }
+
+    fn prepare(
+        &mut self,
+        _encoder: &mut wgpu::CommandEncoder,
+        _frame: &Frame<'_>,
+    ) -> Result<(), RenderError> {
+        self.settle();
+        Ok(())
+    }
+
+    fn draw(&self, _pass: &mut wgpu::RenderPass<'_>, _phase: Phase, _go: Go) {}
 }

@@ -1,8 +1,8 @@
 //! Where do the cubes of points stand before the eye?
 
-use crate::meshes::params::in_view;
 use crate::points::params::{CubeParams, NONE};
 use crate::points::units::CloudUnits;
+use crate::scene::params::in_view;
 use foveal_core::content::scene::description::{Cloud, SceneObject};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;

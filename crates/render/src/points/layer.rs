@@ -3,18 +3,23 @@
 use crate::error::RenderError;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
-use crate::meshes::params::SceneStyle;
-use crate::meshes::pass::Draws;
-use crate::meshes::pool::most_bound;
+use crate::gpu::pool::most_bound;
+use crate::gpu::room::TakenBytes;
 use crate::points::cubes::{StandingCube, standing};
 use crate::points::memory::{BLOCK, PointMemory, placed_bytes};
 use crate::points::params::{CloudViewParams, CubeParams};
 use crate::points::pass::PointPass;
-use crate::points::units::{CloudUnits, ComingPoints};
+use crate::points::units::CloudUnits;
+use crate::scene::coming::{Coming, Refiners};
+use crate::scene::kind::{Frame, KindLayer};
+use crate::scene::params::SceneStyle;
+use crate::scene::phase::{Go, Phase};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
+use std::sync::Arc;
 
 /// Corners of the squares of a block.
 const CORNERS: u32 = 6 * BLOCK as u32;
@@ -39,6 +44,8 @@ pub(crate) struct PointLayer {
     count: u32,
     colours: PointPass,
     refiners: Option<PointPass>,
+    /// What the last picture was drawn with.
+    bound: Option<wgpu::BindGroup>,
 }
 
 impl PointLayer {
@@ -60,38 +67,10 @@ impl PointLayer {
             seen_cubes: storage(gpu, "cubes of points", size_of::<CubeParams>() as u64)?,
             shown: storage(gpu, "blocks of points", ENTRY_BYTES)?,
             count: 0,
-            colours: PointPass::new(gpu, Draws::Colours),
+            colours: PointPass::new(gpu, Phase::Opaque),
             refiners: None,
+            bound: None,
         })
-    }
-
-    /// Adds a unit; one that is there stays as it is. Its blocks may bring those in use to `most`
-    /// bytes, and all to `room`.
-    ///
-    /// # Errors
-    /// It does not fit to what is there or into that memory: nothing changed then.
-    pub(crate) fn upload(
-        &mut self,
-        coming: &ComingPoints<'_>,
-        [most, room]: [u64; 2],
-    ) -> Result<(), RenderError> {
-        if !self.units.insert(coming)? {
-            return Ok(());
-        }
-        let there = self.units.unit(coming.unit);
-        let cloud = self.units.cloud(coming.object);
-        let (Some((_, placed)), Some(cloud)) = (there, cloud) else {
-            return Ok(());
-        };
-        let bytes = self.memory.used_bytes() + placed_bytes(placed);
-        let fits = bytes <= most && self.memory.insert(coming.unit, (placed, cloud), room);
-        if !fits {
-            self.units.remove(coming.unit);
-            return Err(RenderError::NoRoom { bytes, most });
-        }
-        self.rewrite(coming.refines.map(|(parent, _)| parent));
-        self.is_stale = true;
-        Ok(())
     }
 
     /// Rewrites a unit whose colours changed.
@@ -105,74 +84,9 @@ impl PointLayer {
         }
     }
 
-    /// Takes a unit away.
-    ///
-    /// # Panics
-    /// No other that is there may need it.
-    pub(crate) fn remove(&mut self, unit: UnitId) {
-        if self.units.unit(unit).is_some() {
-            let changed = self.units.remove(unit);
-            self.memory.remove(unit);
-            self.rewrite(changed);
-            self.is_stale = true;
-        }
-    }
-
-    /// Takes all units away but those that are wanted, what these need, and roots.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        for unit in self.units.to_go(wanted) {
-            self.remove(unit);
-        }
-    }
-
-    /// From now on these are the units that would refine octants of others.
-    pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
-        self.units.set_refiners(refiners);
-        self.is_stale = true;
-    }
-
-    /// Moves all points together, so that nothing is kept for more.
-    ///
-    /// # Errors
-    /// The device cannot bind as many.
-    pub(crate) fn pack(&mut self) -> Result<(), RenderError> {
-        self.memory.pack(&self.units)
-    }
-
-    /// Bytes of points, in use and all.
-    pub(crate) fn point_bytes(&self) -> [u64; 2] {
-        [self.memory.used_bytes(), self.memory.bytes()]
-    }
-
-    /// Bytes of GPU memory: points, in use or kept for more, and tables.
-    pub(crate) fn gpu_bytes(&self) -> u64 {
-        self.memory.bytes() + self.seen_cubes.size() + self.shown.size()
-    }
-
-    /// The coarsest level that was ever there.
-    pub(crate) fn coarsest(&self) -> u8 {
-        self.units.coarsest()
-    }
-
-    /// Writes what a picture of `view` is drawn by.
-    ///
-    /// # Errors
-    /// More than the device binds.
-    pub(crate) fn prepare(
-        &mut self,
-        view: &EyeView,
-        style: &SceneStyle,
-    ) -> Result<(), RenderError> {
-        if std::mem::take(&mut self.is_stale) {
-            self.cubes = standing(&self.units, &self.objects);
-        }
-        let params = CloudViewParams {
-            half_pixel: view.size.map(|side| 1.0 / side.max(1) as f32),
-            unused_pair: [0.0; 2],
-        };
-        let queue = &self.gpu.queue;
-        queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
-        let seen: Vec<CubeParams> = self.cubes.iter().map(|it| it.seen_by(view)).collect();
+    /// The blocks that a picture is drawn of: the number of each one's cube, then its own and how
+    /// many points it has.
+    fn seen_blocks(&self, view: &EyeView, style: &SceneStyle) -> Vec<[u32; 2]> {
         let mut blocks: Vec<[u32; 2]> = Vec::new();
         for (number, cube) in (0..).zip(&self.cubes) {
             if style.culls.outside && !cube.is_in_view(view, style.near) {
@@ -186,53 +100,141 @@ impl PointLayer {
                 blocks.push([number, block << COUNT_BITS | count as u32]);
             }
         }
-        self.count = blocks.len() as u32;
-        let gpu = &self.gpu;
-        fit(
-            gpu,
-            &mut self.seen_cubes,
-            "cubes of points",
-            bytemuck::cast_slice(&seen),
-        )?;
-        fit(
-            gpu,
-            &mut self.shown,
-            "blocks of points",
-            bytemuck::cast_slice(&blocks),
-        )
+        blocks
     }
 
-    /// Makes what draws this, where it was not drawn before.
-    pub(crate) fn ready(&mut self, draws: Draws) {
-        if draws == Draws::Refiners && self.refiners.is_none() {
-            self.refiners = Some(PointPass::new(&self.gpu, draws));
+    /// What draws a phase, where there is anything to draw in it.
+    fn pass(&self, phase: Phase) -> Option<&PointPass> {
+        match phase {
+            Phase::Opaque => Some(&self.colours),
+            Phase::Transparent => None,
+            Phase::Ids => self.refiners.as_ref(),
         }
     }
 
-    /// Draws what was prepared, where there is a pass that does.
-    pub(crate) fn draw(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        draws: Draws,
-        scene_view: &wgpu::Buffer,
-    ) {
-        let points = match draws {
-            Draws::Colours => Some(&self.colours),
-            Draws::Refiners => self.refiners.as_ref(),
-        };
-        let Some(points) = points.filter(|_| self.count > 0) else {
-            return;
-        };
+    /// Binds what a frame is drawn with.
+    fn bind(&self, frame: &Frame<'_>) -> Option<wgpu::BindGroup> {
         let memory = self.memory.buffer();
         let buffers = [
-            scene_view,
+            frame.scene,
             &self.seen_cubes,
             &self.shown,
             memory,
             &self.view,
         ];
-        let bound = points.bind(&self.gpu, buffers);
-        points.draw(pass, &bound, self.count * CORNERS);
+        let pass = self.pass(frame.phase)?;
+        Some(pass.bind(&self.gpu, buffers))
+    }
+}
+
+impl KindLayer for PointLayer {
+    fn takes(&self, coming: &Coming<'_>) -> bool {
+        matches!(coming.says, PayloadView::Points(_))
+    }
+
+    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+        let PayloadView::Points(says) = coming.says else {
+            return Err(RenderError::OtherKind);
+        };
+        if !self.units.insert(coming, says)? {
+            return Ok(true);
+        }
+        let there = self.units.unit(coming.unit);
+        let cloud = self.units.cloud(coming.object);
+        let (Some((_, placed)), Some(cloud)) = (there, cloud) else {
+            return Ok(true);
+        };
+        let bytes = self.memory.taken().used + placed_bytes(placed);
+        let most = left.used;
+        let fits = bytes <= most && self.memory.insert(coming.unit, (placed, cloud), left.held);
+        if !fits {
+            self.units.remove(coming.unit);
+            return Err(RenderError::NoRoom { bytes, most });
+        }
+        self.rewrite(coming.part.and(coming.needs.first().copied()));
+        self.is_stale = true;
+        Ok(true)
+    }
+
+    fn remove(&mut self, unit: UnitId) -> bool {
+        let is_there = self.units.unit(unit).is_some();
+        if is_there {
+            let changed = self.units.remove(unit);
+            self.memory.remove(unit);
+            self.rewrite(changed);
+            self.is_stale = true;
+        }
+        is_there
+    }
+
+    fn retain(&mut self, wanted: &HashSet<UnitId>) {
+        for unit in self.units.to_go(wanted) {
+            self.remove(unit);
+        }
+    }
+
+    fn taken(&self) -> TakenBytes {
+        self.memory.taken()
+    }
+
+    fn table_bytes(&self) -> u64 {
+        self.seen_cubes.size() + self.shown.size()
+    }
+
+    fn give_back(&mut self, must: bool) -> Result<(), RenderError> {
+        match must {
+            true => self.memory.pack(&self.units),
+            // It holds little more than it needs.
+            false => Ok(()),
+        }
+    }
+
+    fn set_refiners(&mut self, refiners: &Arc<Refiners>) {
+        self.units.set_refiners(refiners);
+        self.is_stale = true;
+    }
+
+    fn coarsest(&self) -> u8 {
+        self.units.coarsest()
+    }
+
+    fn prepare(
+        &mut self,
+        _encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame<'_>,
+    ) -> Result<(), RenderError> {
+        if std::mem::take(&mut self.is_stale) {
+            self.cubes = standing(&self.units, &self.objects);
+        }
+        if frame.phase == Phase::Ids && self.refiners.is_none() {
+            self.refiners = Some(PointPass::new(&self.gpu, Phase::Ids));
+        }
+        let (view, gpu) = (frame.view, &self.gpu);
+        let params = CloudViewParams {
+            half_pixel: view.size.map(|side| 1.0 / side.max(1) as f32),
+            unused_pair: [0.0; 2],
+        };
+        gpu.queue
+            .write_buffer(&self.view, 0, bytemuck::bytes_of(&params));
+        let seen: Vec<CubeParams> = self.cubes.iter().map(|it| it.seen_by(view)).collect();
+        let blocks = self.seen_blocks(view, frame.style);
+        self.count = blocks.len() as u32;
+        let seen = bytemuck::cast_slice(&seen);
+        fit(gpu, &mut self.seen_cubes, "cubes of points", seen)?;
+        let blocks = bytemuck::cast_slice(&blocks);
+        fit(gpu, &mut self.shown, "blocks of points", blocks)?;
+        self.bound = self.bind(frame);
+        Ok(())
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, phase: Phase, go: Go) {
+        let hides = go == Go::First;
+        if let (Some(points), Some(bound)) = (self.pass(phase), &self.bound)
+            && !hides
+            && self.count > 0
+        {
+            points.draw(pass, bound, self.count * CORNERS);
+        }
     }
 }
 

@@ -5,7 +5,8 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
-use crate::meshes::pool::Pool;
+use crate::gpu::pool::Pool;
+use crate::gpu::room::TakenBytes;
 use crate::points::units::CloudUnits;
 use foveal_core::content::points::cut::{PlacedPoints, ShownPoint};
 use foveal_core::content::scene::description::Cloud;
@@ -54,14 +55,12 @@ impl PointMemory {
         self.pool.buffer()
     }
 
-    /// Bytes of all blocks, in use or not.
-    pub(crate) fn bytes(&self) -> u64 {
-        self.pool.bytes()
-    }
-
-    /// Bytes of the blocks that are in use.
-    pub(crate) fn used_bytes(&self) -> u64 {
-        self.used * BLOCK_BYTES
+    /// Bytes of the blocks that are in use, and of all.
+    pub(crate) fn taken(&self) -> TakenBytes {
+        TakenBytes {
+            used: self.used * BLOCK_BYTES,
+            held: self.pool.bytes(),
+        }
     }
 
     /// The blocks of a unit, in order.

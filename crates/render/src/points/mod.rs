@@ -6,5 +6,3 @@ mod memory;
 pub mod params;
 mod pass;
 pub(crate) mod units;
-
-pub use units::ComingPoints;

@@ -1,14 +1,14 @@
-//! How is the pass recorded that draws points?
+//! How are points drawn?
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
-use crate::meshes::pass::{Draws, nearest_pipeline};
+use crate::scene::phase::{Phase, nearest_pipeline};
 use crate::shaders;
 
 /// Which bindings there are, and whether one is a uniform.
 const BINDINGS: [(u32, bool); 5] = [(0, true), (3, false), (4, false), (5, false), (6, true)];
 
-/// What draws points into a pass that draws clusters.
+/// What draws points.
 pub(crate) struct PointPass {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
@@ -16,7 +16,7 @@ pub(crate) struct PointPass {
 
 impl PointPass {
     /// What draws this.
-    pub(crate) fn new(gpu: &Gpu, draws: Draws) -> Self {
+    pub(crate) fn new(gpu: &Gpu, phase: Phase) -> Self {
         let entries = BINDINGS.map(entry);
         let layout = gpu
             .device
@@ -25,7 +25,7 @@ impl PointPass {
                 entries: &entries,
             });
         Self {
-            pipeline: nearest_pipeline(gpu, &shaders::draw_points(), &layout, draws, None),
+            pipeline: nearest_pipeline(gpu, &shaders::draw_points(), &layout, phase, None),
             layout,
         }
     }

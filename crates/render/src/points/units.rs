@@ -1,26 +1,13 @@
 //! Which units of clouds are there, and which must stay?
 
 use crate::error::RenderError;
+use crate::scene::coming::{Coming, Refiners};
 use foveal_core::content::points::cut::{PlacedPoints, PointCut};
 use foveal_core::content::points::payload::PointUnit;
 use foveal_core::content::scene::description::{Cloud, SceneObject};
 use foveal_core::pack::unit::UnitId;
-use std::collections::{BTreeMap, HashMap, HashSet};
-
-/// A unit of a cloud on its way to where it is drawn from.
-#[derive(Clone, Copy, Debug)]
-pub struct ComingPoints<'a> {
-    /// Its number.
-    pub unit: UnitId,
-    /// Number of its object.
-    pub object: u16,
-    /// Its level, 0 the finest: what it is tinted by.
-    pub level: u8,
-    /// The unit that it refines, which is there already, and the octant of that; of a root none.
-    pub refines: Option<(UnitId, u8)>,
-    /// What it says.
-    pub says: &'a PointUnit,
-}
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
 /// What is known of a unit that is there, besides its points.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +24,7 @@ pub(crate) struct CloudUnits {
     clouds: Vec<Option<Cloud>>,
     cut: PointCut,
     notes: BTreeMap<UnitId, CloudNote>,
-    refiners: HashMap<(UnitId, u8), UnitId>,
+    refiners: Arc<Refiners>,
     coarsest: u8,
 }
 
@@ -54,8 +41,13 @@ impl CloudUnits {
     ///
     /// # Errors
     /// It does not fit to what is there: nothing changed then.
-    pub(crate) fn insert(&mut self, coming: &ComingPoints<'_>) -> Result<bool, RenderError> {
-        let ComingPoints { unit, object, .. } = *coming;
+    pub(crate) fn insert(
+        &mut self,
+        coming: &Coming<'_>,
+        says: &PointUnit,
+    ) -> Result<bool, RenderError> {
+        let Coming { unit, object, .. } = *coming;
+        let refines = coming.needs.first().copied().zip(coming.part);
         if self.notes.contains_key(&unit) {
             return Ok(false);
         }
@@ -66,14 +58,14 @@ impl CloudUnits {
         };
         let cloud = self.clouds.get(usize::from(object)).copied().flatten();
         let cloud = cloud.ok_or_else(|| misfit("object", object.to_string(), "a cloud"))?;
-        if let Some((parent, _)) = coming.refines {
+        if let Some((parent, _)) = refines {
             let there = self.notes.get(&parent);
             if there.is_none_or(|it| it.object != object) || parent >= unit {
                 let expected = "an earlier unit of the same object that is there";
                 return Err(misfit("prerequisite", parent.0.to_string(), expected));
             }
         }
-        self.cut.insert(unit, coming.refines, coming.says, &cloud)?;
+        self.cut.insert(unit, refines, says, &cloud)?;
         let note = CloudNote {
             object,
             level: coming.level,
@@ -114,8 +106,8 @@ impl CloudUnits {
     }
 
     /// From now on these are the units that would refine octants of others.
-    pub(crate) fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
-        self.refiners = refiners;
+    pub(crate) fn set_refiners(&mut self, refiners: &Arc<Refiners>) {
+        self.refiners = Arc::clone(refiners);
     }
 
     /// The unit that would refine an octant of another.

@@ -4,14 +4,17 @@
 //! shown; what lies outside the fovea is blurred where that is wanted. What is chosen here can
 //! change while it is looked at.
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::TextureRenderer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
+use crate::image::RgbaImage;
+use crate::params::Overlay;
+use crate::tiles::blur::RadialBlur;
+use crate::tiles::frame::Renderer;
 use crate::tiles::sampling::{GatheredSamples, Sampling, mask_shape};
 use crate::tiles::sparse::Interpolation;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::tiles::textures::TextureRenderer;
 use crate::twin::{self, TwinSamples, TwinTiles};
-use crate::{Overlay, RadialBlur, Renderer, RgbaImage};
 use foveal_core::content::policy::PolicyConfig;
 use foveal_core::content::unit::UnitRef;
 use foveal_core::content::video::Video;
@@ -53,8 +56,8 @@ impl TileStyle {
     }
 }
 
-/// Resident units and what draws them.
-pub(crate) struct TileDrawer {
+/// Resident tiles and what draws them.
+pub struct TileDrawer {
     device: DrawDevice,
     video: Arc<Video>,
     style: TileStyle,
@@ -102,7 +105,7 @@ impl TileDrawer {
 
     /// How tiles become a picture.
     #[must_use]
-    pub(crate) fn style(&self) -> TileStyle {
+    pub fn style(&self) -> TileStyle {
         self.style
     }
 
@@ -111,7 +114,7 @@ impl TileDrawer {
     ///
     /// # Errors
     /// The device cannot hold what the style needs.
-    pub(crate) fn restyle(&mut self, style: TileStyle) -> Result<bool, RenderError> {
+    pub fn restyle(&mut self, style: TileStyle) -> Result<bool, RenderError> {
         if self.style.keeps_tiles(style) {
             self.style = style;
             return Ok(false);
@@ -125,11 +128,7 @@ impl TileDrawer {
     ///
     /// # Errors
     /// The mask is larger than the device binds.
-    pub(crate) fn prepare(
-        &mut self,
-        config: &PolicyConfig,
-        view: &EyeView,
-    ) -> Result<bool, RenderError> {
+    pub fn prepare(&mut self, config: &PolicyConfig, view: &EyeView) -> Result<bool, RenderError> {
         if !self.style.samples {
             return Ok(false);
         }
@@ -160,7 +159,7 @@ impl TileDrawer {
 
     /// Number of samples that are shown; `None` where tiles are.
     #[must_use]
-    pub(crate) fn samples(&self) -> Option<usize> {
+    pub fn samples(&self) -> Option<usize> {
         let sampling = self.sampling.as_ref();
         sampling.map(|(_, sampling)| sampling.mask.places.len())
     }
@@ -169,7 +168,7 @@ impl TileDrawer {
     ///
     /// # Errors
     /// The device was lost.
-    pub(crate) fn follow(&mut self, gaze: &GazeSample, view: &EyeView) -> Result<(), RenderError> {
+    pub fn follow(&mut self, gaze: &GazeSample, view: &EyeView) -> Result<(), RenderError> {
         let direction = gaze.gaze_in_content;
         let blur = self.style.blurs.then(|| RadialBlur::round(direction));
         self.engine.set_blur(blur);
@@ -223,7 +222,7 @@ impl TileDrawer {
     }
 
     /// Resident units that hold another frame than the one shown.
-    pub(crate) fn wrong_frame_units(&mut self) -> usize {
+    pub fn wrong_frame_units(&mut self) -> usize {
         match &mut self.engine {
             Engine::Atlas(renderer) => renderer.tiles().wrong_frame_tiles(),
             #[cfg(not(target_arch = "wasm32"))]
@@ -313,7 +312,7 @@ impl TileDrawer {
     ///
     /// # Errors
     /// The device was lost.
-    pub(crate) fn settle(&mut self) -> Result<(), RenderError> {
+    pub fn settle(&mut self) -> Result<(), RenderError> {
         match &mut self.engine {
             Engine::Atlas(renderer) => renderer.tiles().settle(),
             Engine::Textures(renderer) => renderer.settle(),
@@ -326,7 +325,7 @@ impl TileDrawer {
     ///
     /// # Errors
     /// It is not resident.
-    pub(crate) fn read_unit(&mut self, unit: UnitRef) -> Result<Option<Picture>, RenderError> {
+    pub fn read_unit(&mut self, unit: UnitRef) -> Result<Option<Picture>, RenderError> {
         let tile = self.tile_of(unit);
         Ok(match &mut self.engine {
             Engine::Atlas(renderer) => Some(renderer.tiles().read_tile(tile)?),

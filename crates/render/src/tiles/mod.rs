@@ -2,7 +2,9 @@
 
 pub(crate) mod atlas;
 pub(crate) mod atlas_shape;
+pub(crate) mod blur;
 pub(crate) mod drawer;
+pub(crate) mod frame;
 pub(crate) mod level_map;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod read_tile;

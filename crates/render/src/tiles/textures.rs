@@ -3,7 +3,6 @@
 //! The comparison to the atlas: every level's texture holds the whole surface, whether its tiles
 //! are in use or not (Kastner 2016, section 4.2).
 
-use crate::blur::{Blur, FirstHalf, RadialBlur};
 use crate::error::RenderError;
 use crate::gpu::buffers::{filled, written};
 use crate::gpu::device::Gpu;
@@ -13,6 +12,7 @@ use crate::gpu::readback::PictureCopy;
 use crate::gpu::screen_pass::{Reads, ScreenPass};
 use crate::params::{TileParams, ViewParams};
 use crate::shaders;
+use crate::tiles::blur::{Blur, FirstHalf, RadialBlur};
 use crate::tiles::level_map::shown_map;
 use crate::tiles::store::check;
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
@@ -146,7 +146,7 @@ impl TextureRenderer {
 
     /// The picture that `view` shows; blocks until it is there.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn reconstruct(&mut self, view: &EyeView) -> Result<crate::RgbaImage, RenderError> {
+    pub fn reconstruct(&mut self, view: &EyeView) -> Result<crate::image::RgbaImage, RenderError> {
         let gpu = self.gpu.clone();
         let mut encoder = gpu.encoder("frame to read");
         let texture = self.record(&mut encoder, view)?;

@@ -17,8 +17,8 @@ mod reconstruct_equirect;
 mod reconstruct_plane;
 mod reconstruct_textures;
 mod reduce_source;
-mod scene;
-mod shared;
+pub(crate) mod scene;
+pub(crate) mod shared;
 mod warp;
 
 pub use filters::TwinSource;
@@ -26,9 +26,9 @@ pub use interpolate_sparse::TwinSamples;
 pub use scene::TwinScene;
 pub use shared::tiles::TwinTiles;
 
-use crate::blur::{FirstHalf, RadialBlur, half, halvings};
 use crate::image::RgbaImage;
 use crate::params::{BlurParams, Overlay, ViewParams};
+use crate::tiles::blur::{FirstHalf, RadialBlur, half, halvings};
 use crate::warp::params::WarpParams;
 use crate::warp::{WarpPlan, WarpStyle};
 use foveal_core::view::eye_view::EyeView;

@@ -2,10 +2,11 @@
 
 use super::Seeded;
 use super::torus::object;
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes, PointUnit};
 use foveal_core::content::scene::description::{Cloud, SceneObject};
 use foveal_core::pack::unit::UnitId;
-use foveal_render::ComingPoints;
+use foveal_render::Coming;
 
 /// The root of the cloud.
 pub const ROOT: UnitId = UnitId(10);
@@ -68,12 +69,13 @@ pub fn units() -> [PointUnit; 2] {
     [root, fine]
 }
 
-pub fn coming<'a>(unit: UnitId, says: &'a PointUnit, object: u16) -> ComingPoints<'a> {
-    ComingPoints {
+pub fn coming<'a>(unit: UnitId, says: &'a PointUnit, object: u16) -> Coming<'a> {
+    Coming {
         unit,
         object,
         level: u8::from(unit == ROOT),
-        refines: (unit == FINE).then_some((ROOT, OCTANT)),
-        says,
+        needs: if unit == FINE { &[ROOT] } else { &[] },
+        part: (unit == FINE).then_some(OCTANT),
+        says: PayloadView::Points(says),
     }
 }

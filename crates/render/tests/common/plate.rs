@@ -6,9 +6,10 @@ use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{PagePlace, TextureShape};
 use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::{Grid, SceneObject, SceneTexture, Texturing};
 use foveal_core::pack::unit::UnitId;
-use foveal_render::ComingPage;
+use foveal_render::Coming;
 use glam::DAffine3;
 
 /// Places of the grid along a side of a plate, and of places on textures.
@@ -109,11 +110,14 @@ pub struct PlatePage {
 }
 
 impl PlatePage {
-    pub fn coming(&self) -> ComingPage<'_> {
-        ComingPage {
+    pub fn coming(&self) -> Coming<'_> {
+        Coming {
             unit: self.unit,
+            object: 0,
+            level: self.page.page.level,
             needs: &self.needs,
-            says: &self.page,
+            part: None,
+            says: PayloadView::Image(&self.page),
         }
     }
 }

@@ -2,13 +2,14 @@
 
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::{Grid, SceneObject};
 use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
-use foveal_render::ComingUnit;
+use foveal_render::Coming;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -171,24 +172,26 @@ pub const ALL: Attributes = Attributes {
 };
 
 /// The root of an object, ready to be uploaded.
-pub fn coming_root(says: &MeshUnit) -> ComingUnit<'_> {
-    ComingUnit {
+pub fn coming_root(says: &MeshUnit) -> Coming<'_> {
+    Coming {
         unit: ROOT,
         object: 0,
         level: 1,
         needs: &[],
-        says,
+        part: None,
+        says: PayloadView::Mesh(says),
     }
 }
 
 /// A unit that refines the root, ready to be uploaded.
-pub fn coming(unit: u32, says: &MeshUnit) -> ComingUnit<'_> {
-    ComingUnit {
+pub fn coming(unit: u32, says: &MeshUnit) -> Coming<'_> {
+    Coming {
         unit: UnitId(unit),
         object: 0,
         level: 0,
         needs: &[ROOT],
-        says,
+        part: None,
+        says: PayloadView::Mesh(says),
     }
 }
 

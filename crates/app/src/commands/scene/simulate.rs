@@ -146,7 +146,7 @@ pub(crate) fn run(args: &SimulateArgs, file: Arc<SceneFile>) -> anyhow::Result<(
             time: Seconds(time.0 + link.delay.0),
             bytes: head + report.unit_bytes + report.page_bytes,
             report,
-            triangles: draws.then(|| player.drawer().triangles_drawn()),
+            triangles: draws.then(|| player.triangles_drawn()),
             detail_share: player.detail_share(&standing.moment),
             judged,
         });

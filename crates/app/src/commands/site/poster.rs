@@ -110,7 +110,7 @@ pub(super) fn of_scene(file: &SceneFile, drawing: &DrawDevice) -> anyhow::Result
 }
 
 fn piece(unit: UnitId) -> Piece {
-    let asset = AssetId(0);
+    let asset = AssetId::ONLY;
     Piece {
         unit: UnitRef { asset, unit },
         frame: 0,

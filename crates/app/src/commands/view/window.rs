@@ -297,7 +297,10 @@ impl Open {
     /// Moves what follows the gaze in an eye's view.
     fn follow(&mut self, view: &EyeView) -> anyhow::Result<()> {
         match self.player.gaze() {
-            Some(gaze) => Ok(self.player.live.drawer().follow(&gaze, view)?),
+            Some(gaze) => match self.player.live.drawer().tiles_mut() {
+                Some(tiles) => Ok(tiles.follow(&gaze, view)?),
+                None => Ok(()),
+            },
             None => Ok(()),
         }
     }

@@ -215,7 +215,8 @@ impl WindowPlayer {
     }
 
     pub(super) fn take_style(&mut self, style: TileStyle, said: String, now: Seconds) {
-        match self.live.drawer().restyle(style) {
+        let tiles = self.live.drawer().tiles_mut();
+        match tiles.map_or(Ok(false), |tiles| tiles.restyle(style)) {
             Ok(true) => self.live.session_mut().fetch_anew(),
             Ok(false) => {}
             Err(error) => return self.say(error.to_string(), now),
@@ -243,7 +244,8 @@ impl WindowPlayer {
     fn mark_worth(&mut self, perception: &Parameters, now: Seconds) {
         let viewer = self.viewer.moment().filter(|_| self.importance);
         let viewer = viewer.map(|moment| (perception, moment));
-        let marked = self.live.drawer().mark_worth(viewer);
+        let scene = self.live.drawer().scene_mut();
+        let marked = scene.map_or(Ok(()), |scene| scene.mark_worth(viewer));
         self.importance_is_stale = matches!(marked, Err(RenderError::ReadBack(_)));
         if let Err(error) = marked.map_err(|error| error.to_string())
             && !self.importance_is_stale
@@ -299,7 +301,8 @@ impl WindowPlayer {
         let moment = self.moment(pane, now);
         let config = self.live.session().policy_in_use().clone();
         let view = self.viewer.shown(pane).view;
-        if self.live.drawer().prepare(&config, &view)? {
+        let tiles = self.live.drawer().tiles_mut();
+        if tiles.map_or(Ok(false), |tiles| tiles.prepare(&config, &view))? {
             self.live.session_mut().fetch_anew();
         }
         let step = self.viewer.now(self.live.session(), &moment, now);

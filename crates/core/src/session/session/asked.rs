@@ -14,6 +14,12 @@ use crate::view::timeline::Timeline;
 use std::sync::Arc;
 
 impl Session {
+    /// From now on what is shown may take so many bytes on the GPU: the pictures of what draws take
+    /// the rest.
+    pub fn bound_gpu(&mut self, bytes: u64) {
+        self.bounds.gpu = bytes;
+    }
+
     /// Whether the scene has what a policy chooses by.
     #[must_use]
     pub fn can(&self, config: &PolicyConfig) -> bool {

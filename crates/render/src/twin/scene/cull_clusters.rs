@@ -3,8 +3,8 @@
 use super::halve_depths::{depth_start, first_depths, halve_depths};
 use crate::meshes::bounds::ClusterBounds;
 use crate::meshes::hiding::{levels, sides};
-use crate::meshes::params::{BACKS, MIRRORED, OUTSIDE, TWO_SIDED};
 use crate::meshes::units::DrawnCluster;
+use crate::scene::params::{BACKS, MIRRORED, OUTSIDE, TWO_SIDED};
 use crate::twin::shared::scene::{SceneInView, bounds_of, row, times, triangles_of, vertex_at};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -42,7 +42,7 @@ fn shows_back(scene: &SceneInView, placement: u32, bounds: &ClusterBounds) -> bo
 const DEPTH_SLACK: f32 = 1.0001;
 
 /// What was drawn, and how near the farthest of it is in squares of pixels.
-pub(super) struct DrawnDepths {
+pub(crate) struct DrawnDepths {
     scene: SceneInView,
     /// Of all levels, one behind the other.
     depths: Vec<f32>,

@@ -1,7 +1,7 @@
 //! Which colour has each pixel of the nearest surface? Twin of `shaders/draw_clusters.wgsl`.
 
-use crate::meshes::params::{COLOURS, NORMALS, TEXTURED, TWO_SIDED, UNLIT};
 use crate::meshes::units::DrawnCluster;
+use crate::scene::params::{COLOURS, NORMALS, TEXTURED, TWO_SIDED, UNLIT};
 use crate::twin::shared::pages::{NO_TEXTURE, TwinPages, is_cut_out, texture_colour, texture_of};
 use crate::twin::shared::ramp::ramp;
 use crate::twin::shared::raster::{Corner, Fragment};

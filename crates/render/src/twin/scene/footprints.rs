@@ -1,7 +1,7 @@
 //! How much of the view would each unit refine, and how far from the gaze? Twin of
 //! `shaders/footprints.wgsl`.
 
-use crate::meshes::footprints::{FootprintSums, GazedParams, MOST_ANGLE};
+use crate::scene::footprints::{FootprintSums, GazedParams, MOST_ANGLE};
 use crate::twin::shared::wgsl::mix;
 use glam::{Vec2, Vec3};
 

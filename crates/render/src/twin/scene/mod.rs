@@ -1,94 +1,52 @@
 //! What should be drawn of a scene's units?
 
-mod cull_clusters;
+pub(crate) mod cull_clusters;
 mod draw_clusters;
 mod draw_points;
 mod footprints;
 mod halve_depths;
+pub(crate) mod layer;
 mod mark_units;
+pub(crate) mod meshes;
+mod pages;
+pub(crate) mod points;
 
 use crate::error::RenderError;
 use crate::image::RgbaImage;
-use crate::meshes::footprints::{
-    FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view,
-};
-use crate::meshes::params::{SceneParams, SceneStyle, TWO_SIDED};
-use crate::meshes::placements::Placements;
-use crate::meshes::units::{ComingUnit, DrawnCluster, SceneUnits};
-use crate::pages::ComingPage;
-use crate::points::cubes::standing;
-use crate::points::units::{CloudUnits, ComingPoints};
-use crate::twin::shared::pages::TwinPages;
-use crate::twin::shared::raster::{Covered, Fragment, Sides, rasterise};
-use crate::twin::shared::scene::{SceneInView, triangles_of};
+use crate::scene::coming::{Coming, Refiners};
+use crate::scene::footprints::{FootprintSums, GazedParams, footprints_of, pixel_deg2, small_view};
+use crate::scene::params::{SceneParams, SceneStyle};
+use crate::scene::phase::{Go, Phase};
+use crate::scene::placements::Placements;
+use crate::twin::shared::scene::SceneInView;
 use crate::twin::shared::wgsl::code;
-use cull_clusters::{DrawnDepths, cull_clusters, is_hidden, is_seen};
-use draw_clusters::{
-    OfCluster, draw_clusters, draw_refiners, place_corner, texture_of_corner, texture_on,
-};
-use draw_points::{CloudInView, Splat, draw_point_refiners, draw_points, place_splat};
+use cull_clusters::DrawnDepths;
 use footprints::footprints;
-use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
 use foveal_core::perception::glance::Glance;
 use foveal_core::view::eye_view::EyeView;
-use glam::{Vec2, Vec4};
+use glam::Vec4;
+use layer::{Canvas, TwinFrame, TwinLayer};
 use mark_units::mark_units;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
 
-/// The units of a scene in main memory, and the pictures that are drawn of them.
+/// The units of a scene in main memory, and the pictures that are drawn of them: layers as those of
+/// [`SceneLayer`](crate::SceneLayer), without a bound of memory.
 pub struct TwinScene {
-    units: SceneUnits,
-    placements: Placements,
-    pages: TwinPages,
-    refiners: HashMap<(UnitId, u8), UnitId>,
-    clouds: CloudUnits,
-    objects: Vec<SceneObject>,
+    layers: Vec<Box<dyn TwinLayer>>,
+    placements: Arc<Placements>,
     /// What units are worth, where pictures are to show that.
     worths: Option<Vec<f32>>,
 }
 
-/// How near what is drawn in each pixel is; larger is nearer.
-struct Depths {
-    size: [u32; 2],
-    depths: Vec<f32>,
-}
-
-impl Depths {
-    fn of(size: [u32; 2]) -> Self {
-        let depths = vec![0.0; size[0] as usize * size[1] as usize];
-        Self { size, depths }
-    }
-
-    /// Whether something is in front of all before it.
-    fn has_behind(&self, covered: &Covered<'_>) -> bool {
-        let [x, y] = covered.pixel.map(|it| it as usize);
-        covered.depth > self.depths[y * self.size[0] as usize + x]
-    }
-
-    /// Whether something is in front of all before it, which it is from now on.
-    fn pass(&mut self, covered: &Covered<'_>) -> bool {
-        let [x, y] = covered.pixel.map(|it| it as usize);
-        let depth = &mut self.depths[y * self.size[0] as usize + x];
-        let passes = covered.depth > *depth;
-        *depth = depth.max(covered.depth);
-        passes
-    }
-}
-
 impl TwinScene {
-    /// No unit of these objects and textures.
-    #[must_use]
-    pub fn new(objects: &[SceneObject], textures: &[SceneTexture]) -> Self {
-        let pages = TwinPages::new(textures, objects);
+    /// These layers of objects that stand there.
+    pub(crate) fn of_layers(layers: Vec<Box<dyn TwinLayer>>, placements: Arc<Placements>) -> Self {
         Self {
-            units: SceneUnits::new(objects.len()),
-            placements: Placements::new(objects, &pages.table),
-            pages,
-            refiners: HashMap::new(),
-            clouds: CloudUnits::new(objects),
-            objects: objects.to_vec(),
+            layers,
+            placements,
             worths: None,
         }
     }
@@ -103,24 +61,10 @@ impl TwinScene {
     ///
     /// # Errors
     /// It does not fit to what is there: nothing changed then.
-    pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
-        self.units.insert(coming).map(|_| ())
-    }
-
-    /// Adds a unit of a cloud after the unit that it refines.
-    ///
-    /// # Errors
-    /// It does not fit to what is there: nothing changed then.
-    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
-        self.clouds.insert(coming).map(|_| ())
-    }
-
-    /// Adds a page of a texture after the page that it lies in.
-    ///
-    /// # Errors
-    /// It does not fit to what is there: nothing changed then.
-    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<(), RenderError> {
-        self.pages.upload(coming)
+    pub fn upload(&mut self, coming: &Coming<'_>) -> Result<(), RenderError> {
+        let mut layers = self.layers.iter_mut();
+        let layer = layers.find(|layer| layer.takes(coming));
+        layer.ok_or(RenderError::OtherKind)?.upload(coming)
     }
 
     /// Takes a unit away.
@@ -128,31 +72,28 @@ impl TwinScene {
     /// # Panics
     /// No other that is there may need it.
     pub fn remove(&mut self, unit: UnitId) {
-        self.units.remove(unit);
-        self.clouds.remove(unit);
+        let mut layers = self.layers.iter_mut();
+        let _ = layers.any(|layer| layer.remove(unit));
     }
 
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        self.units.retain(wanted);
-        for unit in self.clouds.to_go(wanted) {
-            self.clouds.remove(unit);
-        }
-        self.pages.retain(wanted);
+        self.layers
+            .iter_mut()
+            .for_each(|layer| layer.retain(wanted));
     }
 
-    /// From now on the new vertices of these units have gone so much of their way from the coarse
-    /// surface, 0 to 1, and all others are in their places.
+    /// From now on these units have gone so much of their way from what is coarser, 0 to 1, and all
+    /// others are in their places.
     pub fn morph(&mut self, shares: &BTreeMap<UnitId, f64>) {
-        self.units.morph(shares);
+        self.layers.iter_mut().for_each(|layer| layer.morph(shares));
     }
 
     /// Triangles of the clusters that a picture is drawn of, also of those that cannot be seen,
     /// each where it stands.
     #[must_use]
     pub fn triangles_drawn(&self) -> u64 {
-        let triangles = |(block, _): (DrawnCluster<'_>, u32)| u64::from(triangles_of(&block));
-        self.drawn().map(triangles).sum()
+        self.layers.iter().map(|layer| layer.triangles()).sum()
     }
 
     /// Number of clusters that are drawn, and of those of them that can be seen, each where it
@@ -160,8 +101,12 @@ impl TwinScene {
     #[must_use]
     pub fn clusters_seen(&self, view: &EyeView, style: &SceneStyle) -> [usize; 2] {
         let scene = self.scene(view, style);
-        let seen = |it: &(DrawnCluster<'_>, u32)| is_seen(&scene, &it.0, it.1);
-        [self.drawn().count(), self.drawn().filter(seen).count()]
+        let mut sums = [0; 2];
+        for layer in &self.layers {
+            let seen = layer.clusters_seen(&scene);
+            sums = [sums[0] + seen[0], sums[1] + seen[1]];
+        }
+        sums
     }
 
     /// Number of clusters that can be seen in `view`, but are hidden by what `before` shows.
@@ -169,44 +114,57 @@ impl TwinScene {
     pub fn clusters_hidden(&self, view: &EyeView, before: &EyeView, style: &SceneStyle) -> usize {
         let scene = self.scene(view, style);
         let drawn = self.depths(before, style);
-        let hidden = |(block, placement): &(DrawnCluster<'_>, u32)| {
-            is_seen(&scene, block, *placement) && is_hidden(&drawn, block, *placement)
-        };
-        self.drawn().filter(hidden).count()
+        let layers = self.layers.iter();
+        layers
+            .map(|layer| layer.clusters_hidden(&scene, &drawn))
+            .sum()
     }
 
     /// How near what `view` shows is at least, in squares of pixels.
     fn depths(&self, view: &EyeView, style: &SceneStyle) -> DrawnDepths {
         let scene = self.scene(view, style);
-        let mut depths = Depths::of(view.size);
-        self.draw(&scene, &mut depths, |_, _, _| ());
-        DrawnDepths::new(scene, &depths.depths)
+        let mut canvas = Canvas::new(view.size, 0);
+        self.draw((view, &scene), Phase::Opaque, Go::First, &mut canvas);
+        DrawnDepths::new(scene, &canvas.depths)
     }
 
-    /// From now on these are the units that would refine clusters, each by its unit and its number
-    /// in it: what [`Self::ids`] shows.
-    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
-        self.clouds.set_refiners(refiners.clone());
-        self.refiners = refiners;
+    /// From now on these are the units that would refine parts of others: what [`Self::ids`] shows.
+    pub fn set_refiners(&mut self, refiners: Refiners) {
+        let refiners = Arc::new(refiners);
+        self.layers
+            .iter_mut()
+            .for_each(|layer| layer.set_refiners(&refiners));
     }
 
     /// The picture that `view` shows.
     #[must_use]
     pub fn picture(&self, view: &EyeView, style: &SceneStyle) -> RgbaImage {
+        self.picture_over(None, view, style)
+    }
+
+    /// The same in front of a picture of the view's size, in place of the style's background.
+    #[must_use]
+    pub fn picture_over(
+        &self,
+        under: Option<&RgbaImage>,
+        view: &EyeView,
+        style: &SceneStyle,
+    ) -> RgbaImage {
         let scene = self.scene(view, style);
-        let background = style.background();
+        let mut canvas = match under {
+            Some(image) => {
+                let codes = image.pixels.as_chunks().0.iter();
+                let codes = codes.map(|code| u32::from_le_bytes(*code));
+                Canvas::over(view.size, codes.collect())
+            }
+            None => Canvas::new(view.size, u32::from_le_bytes(style.background())),
+        };
+        self.draw((view, &scene), Phase::Opaque, Go::Only, &mut canvas);
+        let codes = canvas.pixels.iter();
         let mut image = RgbaImage {
             size: view.size,
-            pixels: background.repeat(view.size[0] as usize * view.size[1] as usize),
+            pixels: codes.flat_map(|code| code.to_le_bytes()).collect(),
         };
-        let mut depths = Depths::of(view.size);
-        self.draw(&scene, &mut depths, |of_cluster, fragment, texture| {
-            let colour = draw_clusters(&scene, of_cluster, fragment, texture);
-            image.set_pixel(fragment.pixel, code(colour));
-        });
-        self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
-            image.set_pixel(fragment.pixel, code(draw_points(splat)));
-        });
         if let Some(worths) = &self.worths {
             self.paint(worths, &mut image, &self.ids(view, style));
         }
@@ -222,23 +180,14 @@ impl TwinScene {
         }
     }
 
-    /// For each pixel of `view`, row by row, the unit that would refine the cluster that is drawn
-    /// there, by its number; 4294967295 where none would, and where nothing stands.
+    /// For each pixel of `view`, row by row, the unit that would refine what is drawn there,
+    /// by its number; 4294967295 where none would, and where nothing stands.
     #[must_use]
     pub fn ids(&self, view: &EyeView, style: &SceneStyle) -> Vec<u32> {
         let scene = self.scene(view, style);
-        let [columns, rows] = view.size.map(|side| side as usize);
-        let mut ids = vec![u32::MAX; columns * rows];
-        let mut depths = Depths::of(view.size);
-        self.draw(&scene, &mut depths, |of_cluster, fragment, _| {
-            let [x, y] = fragment.pixel.map(|it| it as usize);
-            ids[y * columns + x] = draw_refiners(of_cluster);
-        });
-        self.draw_clouds(&scene, view, &mut depths, |splat, fragment| {
-            let [x, y] = fragment.pixel.map(|it| it as usize);
-            ids[y * columns + x] = draw_point_refiners(splat);
-        });
-        ids
+        let mut canvas = Canvas::new(view.size, u32::MAX);
+        self.draw((view, &scene), Phase::Ids, Go::Only, &mut canvas);
+        canvas.pixels
     }
 
     /// What of a glance's view each unit would refine; nothing where it has no view.
@@ -260,98 +209,30 @@ impl TwinScene {
     }
 
     fn scene(&self, view: &EyeView, style: &SceneStyle) -> SceneInView {
-        let coarsest = self.units.coarsest().max(self.clouds.coarsest());
+        let coarsest = self.layers.iter().map(|layer| layer.coarsest()).max();
         SceneInView {
-            params: SceneParams::new(view, style, coarsest),
+            params: SceneParams::new(view, style, coarsest.unwrap_or_default()),
             placements: self.placements.seen_by(view),
         }
     }
 
-    /// The clusters that are drawn, each where it stands.
-    fn drawn(&self) -> impl Iterator<Item = (DrawnCluster<'_>, u32)> {
-        self.units.drawn().flat_map(|block| {
-            let placements = self.placements.of(block.note.object);
-            placements.map(move |placement| (block, placement))
-        })
-    }
-
-    /// Calls `each` for every pixel that a triangle covers in front of all before it, with the
-    /// colour of its texture there.
+    /// Draws all layers' part of a picture, phase by phase.
     fn draw(
         &self,
-        scene: &SceneInView,
-        depths: &mut Depths,
-        mut each: impl FnMut(OfCluster, &Fragment, Vec4),
+        (view, scene): (&EyeView, &SceneInView),
+        phase: Phase,
+        go: Go,
+        canvas: &mut Canvas,
     ) {
-        for (block, placement) in self.drawn() {
-            let of_cluster = self.of_cluster(scene, &block, placement);
-            let sides = match of_cluster.flags & TWO_SIDED != 0 {
-                true => Sides::Both,
-                false => Sides::Front,
-            };
-            let corners = cull_clusters(scene, &block, placement);
-            let corner = |number| place_corner(scene, &block, placement, number);
-            for triangle in corners.as_chunks::<3>().0 {
-                let head = texture_of_corner(&self.pages, of_cluster, &block, triangle[0]);
-                rasterise(triangle.map(corner), depths.size, sides, |covered| {
-                    if !depths.has_behind(covered) {
-                        return;
-                    }
-                    let fragment = covered.fragment();
-                    if let Some(texture) = texture_on(&self.pages, head, &fragment) {
-                        depths.pass(covered);
-                        each(of_cluster, &fragment, texture);
-                    }
-                });
-            }
-        }
-    }
-
-    /// Calls `each` for every pixel that a point covers in front of all before it.
-    fn draw_clouds(
-        &self,
-        scene: &SceneInView,
-        view: &EyeView,
-        depths: &mut Depths,
-        mut each: impl FnMut(&Splat, &Fragment),
-    ) {
-        let standing = standing(&self.clouds, &self.objects);
-        let cloud = CloudInView {
-            cubes: standing.iter().map(|it| it.seen_by(view)).collect(),
-            half_pixel: Vec2::from(view.size.map(|side| 1.0 / side.max(1) as f32)),
+        let frame = TwinFrame {
+            view,
+            scene,
+            pages: self.layers.iter().find_map(|layer| layer.pages()),
         };
-        for (number, cube) in (0..).zip(&standing) {
-            let there = self.clouds.unit(cube.unit);
-            let of = there.and_then(|(note, _)| self.clouds.cloud(note.object));
-            let (Some((_, placed)), Some(of)) = (there, of) else {
-                continue;
-            };
-            for point in placed.drawn() {
-                let splat = place_splat(scene, &cloud, number, (point, of));
-                for triangle in [[0, 1, 2], [3, 2, 1]] {
-                    let triangle = triangle.map(|corner: usize| splat.corners[corner]);
-                    rasterise(triangle, depths.size, Sides::Both, |covered| {
-                        if depths.pass(covered) {
-                            each(&splat, &covered.fragment());
-                        }
-                    });
-                }
+        for phase in phase.all() {
+            for layer in &self.layers {
+                layer.draw(&frame, *phase, go, canvas);
             }
-        }
-    }
-
-    fn of_cluster(
-        &self,
-        scene: &SceneInView,
-        block: &DrawnCluster<'_>,
-        placement: u32,
-    ) -> OfCluster {
-        let refiner = self.refiners.get(&(block.unit, block.cluster as u8));
-        OfCluster {
-            flags: scene.placements[placement as usize].flags,
-            level: u32::from(block.note.level),
-            refiner: refiner.map_or(u32::MAX, |unit| unit.0),
-            textures: scene.placements[placement as usize].textures,
         }
     }
 }

@@ -3,9 +3,10 @@
 
 use super::wgsl::mix;
 use crate::error::RenderError;
-use crate::pages::ComingPage;
 use crate::pages::table::{HEAD_WORDS, NO_PAGE, PageSlot, PageTable};
+use crate::scene::coming::Coming;
 use foveal_core::content::images::halving::Halving;
+use foveal_core::content::images::payload::ImagePage;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use foveal_core::pack::unit::UnitId;
@@ -45,8 +46,12 @@ impl TwinPages {
     }
 
     /// Adds a page; one that is there stays as it is.
-    pub(crate) fn upload(&mut self, coming: &ComingPage<'_>) -> Result<(), RenderError> {
-        let ComingPage { unit, needs, says } = *coming;
+    pub(crate) fn insert(
+        &mut self,
+        coming: &Coming<'_>,
+        says: &ImagePage,
+    ) -> Result<(), RenderError> {
+        let Coming { unit, needs, .. } = *coming;
         if self.table.is_there(unit) {
             return Ok(());
         }
@@ -73,7 +78,7 @@ impl TwinPages {
     }
 
     /// Takes away all pages but those that are wanted, what these need, and roots.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) {
+    pub(crate) fn keep_only(&mut self, wanted: &HashSet<UnitId>) {
         self.free.extend(self.table.retain(wanted));
     }
 

@@ -2,8 +2,8 @@
 //! `shaders/shared/scene.wgsl`.
 
 use crate::meshes::bounds::ClusterBounds;
-use crate::meshes::params::{PlacementParams, SceneParams};
 use crate::meshes::units::DrawnCluster;
+use crate::scene::params::{PlacementParams, SceneParams};
 use foveal_core::content::mesh::payload::MeshVertex;
 use glam::{Vec3, Vec4};
 

@@ -4,12 +4,13 @@ use super::conditions::BenchConditions;
 use super::place::SIZE;
 use super::row::{BenchRow, Turns};
 use super::subject::Subject;
+use foveal_core::content::payload::PayloadView;
 use foveal_core::content::points::payload::PointUnit;
 use foveal_core::units::Radians;
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_render::twin::TwinScene;
-use foveal_render::{ComingPoints, SceneStyle};
+use foveal_render::{Coming, SceneStyle};
 use foveal_scene::build::{BuildOptions, build};
 use foveal_scene::generate::{alone, book, cloud_of_torus, one_place, torus};
 use foveal_scene::source::{SourceCloud, SourceScene};
@@ -74,12 +75,13 @@ fn drawn_from(cloud: SourceCloud) -> anyhow::Result<TwinScene> {
     let mut scene = TwinScene::new(&built.objects, &[]);
     for (number, unit) in (0..).zip(&built.units) {
         let octant = unit.row.replaces.first().map(|it| it.part);
-        scene.upload_points(&ComingPoints {
+        scene.upload(&Coming {
             unit: foveal_core::pack::unit::UnitId(number),
             object: 0,
             level: unit.level,
-            refines: unit.row.needs.first().copied().zip(octant),
-            says: &PointUnit::parse(&unit.payload, attributes)?,
+            needs: &unit.row.needs,
+            part: octant,
+            says: PayloadView::Points(&PointUnit::parse(&unit.payload, attributes)?),
         })?;
     }
     Ok(scene)

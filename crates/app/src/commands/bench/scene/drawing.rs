@@ -81,7 +81,7 @@ fn through(
         || drawing_ms(&mut viewport, &view),
     )?;
     // What is drawn is known once it was.
-    let drawn = |player: &mut ScenePlayer| player.drawer().triangles_drawn() as f64;
+    let drawn = |player: &mut ScenePlayer| player.triangles_drawn() as f64;
     let counts = Turns::once(drawn(&mut acuity), Some(drawn(&mut viewport)));
     let picture = picture(&mut acuity, &view)?;
     drop((acuity, viewport));

@@ -152,7 +152,7 @@ pub(crate) fn watch(
         reference,
     };
     Ok(Runs {
-        triangles: whole.drawer().triangles_drawn(),
+        triangles: whole.triangles_drawn(),
         whole: watched.ringed(&mut whole)?,
         runs: [
             watched.run(Policy::Uniform)?,
@@ -335,7 +335,7 @@ impl Watched<'_> {
         Ok(LinkMoment {
             t_s,
             bytes,
-            triangles: player.drawer().triangles_drawn(),
+            triangles: player.triangles_drawn(),
             units: report.units_by_level.iter().sum(),
             jod,
             psnr_db,

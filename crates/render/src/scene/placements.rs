@@ -1,9 +1,9 @@
 //! Where do objects stand before the eye?
 
-use crate::meshes::params::{
+use crate::pages::table::PageTable;
+use crate::scene::params::{
     COLOURS, MIRRORED, NORMALS, PlacementParams, TEXTURED, TWO_SIDED, UNLIT, in_view,
 };
-use crate::pages::table::PageTable;
 use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::content::scene::lighting::normal_matrix;
@@ -48,9 +48,9 @@ impl Placements {
         Self { all, first }
     }
 
-    /// Number of all.
-    pub(crate) fn count(&self) -> usize {
-        self.all.len()
+    /// Bytes of all as shaders read them.
+    pub(crate) fn bytes(&self) -> u64 {
+        (self.all.len() * size_of::<PlacementParams>()) as u64
     }
 
     /// The placements of an object, by number.

@@ -7,7 +7,7 @@ use crate::gpu::buffers::{storage, written};
 use crate::gpu::compute::{Compute, record};
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::BytesBack;
-use crate::meshes::params::in_view;
+use crate::scene::params::in_view;
 use crate::shaders;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::pack::unit::UnitId;

@@ -3,12 +3,12 @@
 //! [`Renderer`] is what a window, a browser and a headless run call: upload into
 //! [`Renderer::tiles`], then draw. Everything else in this crate serves it.
 
-use crate::blur::{Blur, FirstHalf, RadialBlur};
 use crate::gpu::picture_target::PictureTarget;
 use crate::gpu::readback::{PictureCopy, ReadBack};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::{Overlay, ViewParams};
+use crate::tiles::blur::{Blur, FirstHalf, RadialBlur};
 use crate::tiles::sparse::{Interpolation, SparseStore};
 use crate::tiles::store::TileStore;
 use crate::tiles::tile_pass::TilePass;

@@ -1,9 +1,9 @@
 //! How does a buffer of the GPU grow with what lies in it?
 
 use crate::error::RenderError;
+use crate::gpu::arena::Arena;
 use crate::gpu::buffers::storage;
 use crate::gpu::device::Gpu;
-use crate::meshes::arena::Arena;
 
 /// Places of a new pool.
 const FIRST_PLACES: u32 = 1 << 14;

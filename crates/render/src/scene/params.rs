@@ -62,6 +62,15 @@ pub struct SceneStyle {
 }
 
 impl SceneStyle {
+    /// The same without leaving out what others hide.
+    pub(crate) fn without_hiding(&self) -> Self {
+        let culls = Culling {
+            hidden: false,
+            ..self.culls
+        };
+        Self { culls, ..*self }
+    }
+
     /// What is seen where nothing stands, as the nearest sRGB codes.
     pub(crate) fn background(&self) -> [u8; 4] {
         let [r, g, b] = self.look.background.map(|light| {

@@ -4,22 +4,19 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::meshes::layer::SceneLayer;
-use crate::meshes::measuring::Measuring;
-use crate::meshes::params::SceneStyle;
-use crate::meshes::units::ComingUnit;
-use crate::pages::ComingPage;
-use crate::points::units::ComingPoints;
+use crate::kinds::moves;
+use crate::scene::coming::{Coming, Refiners};
+use crate::scene::layer::SceneLayer;
+use crate::scene::measuring::Measuring;
+use crate::scene::params::SceneStyle;
 use crate::twin::TwinScene;
+use crate::under::Under;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
-use foveal_core::content::unit::AssetId;
 use foveal_core::pack::unit::UnitId;
-#[cfg(not(target_arch = "wasm32"))]
 use foveal_core::perception::footprints::Footprints;
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::session::Session;
 use foveal_core::view::eye_view::EyeView;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 /// Units of a scene and what draws them.
 pub struct SceneDrawer {
@@ -66,40 +63,18 @@ impl SceneDrawer {
         &self.device
     }
 
-    /// Adds a unit after its prerequisites; one that is there stays as it is.
+    /// Adds a unit after its prerequisites; one that is there stays as it is. `false` where
+    /// there is no room for it and what is coarser is shown.
     ///
     /// # Errors
     /// It does not fit to what is there or into the GPU's memory: nothing changed then.
-    pub fn upload(&mut self, coming: &ComingUnit<'_>) -> Result<(), RenderError> {
-        self.measuring.forget();
+    pub fn upload(&mut self, coming: &Coming<'_>) -> Result<bool, RenderError> {
+        if moves(coming.says) {
+            self.measuring.forget();
+        }
         match &mut self.engine {
             Engine::Gpu(layer) => layer.upload(coming),
-            Engine::Twin(twin) => twin.upload(coming),
-            Engine::Nothing => Ok(()),
-        }
-    }
-
-    /// Adds a unit of a cloud after the unit that it refines; one that is there stays as it is.
-    ///
-    /// # Errors
-    /// It does not fit to what is there or into the GPU's memory: nothing changed then.
-    pub fn upload_points(&mut self, coming: &ComingPoints<'_>) -> Result<(), RenderError> {
-        match &mut self.engine {
-            Engine::Gpu(layer) => layer.upload_points(coming),
-            Engine::Twin(twin) => twin.upload_points(coming),
-            Engine::Nothing => Ok(()),
-        }
-    }
-
-    /// Adds a page of a texture after the page that it lies in; one that is there stays as it is.
-    /// `false` where there is no room for it: the coarser page is shown.
-    ///
-    /// # Errors
-    /// It does not fit to what is there: nothing changed then.
-    pub fn upload_page(&mut self, coming: &ComingPage<'_>) -> Result<bool, RenderError> {
-        match &mut self.engine {
-            Engine::Gpu(layer) => layer.upload_page(coming),
-            Engine::Twin(twin) => twin.upload_page(coming).map(|()| true),
+            Engine::Twin(twin) => twin.upload(coming).map(|()| true),
             Engine::Nothing => Ok(true),
         }
     }
@@ -126,7 +101,7 @@ impl SceneDrawer {
 
     /// From now on these are the units that would refine clusters, each by its unit and its number
     /// in it: what an image of ids shows.
-    pub fn set_refiners(&mut self, refiners: HashMap<(UnitId, u8), UnitId>) {
+    pub fn set_refiners(&mut self, refiners: Refiners) {
         match &mut self.engine {
             Engine::Gpu(layer) => layer.set_refiners(refiners),
             Engine::Twin(twin) => twin.set_refiners(refiners),
@@ -187,49 +162,28 @@ impl SceneDrawer {
         }
     }
 
-    /// Gives a session what parts of the view units would refine, where it chooses by that: what
-    /// was measured since the last call. Begins to measure what is drawn now, where that is due.
+    /// What parts of the view units would refine, where that was being measured and is known now.
     ///
     /// # Errors
-    /// The device was lost, or binds no buffer for as many units.
-    pub fn measure(
-        &mut self,
-        session: &mut Session,
-        moment: &Moment,
-        style: &SceneStyle,
-    ) -> Result<(), RenderError> {
-        if !session.needs_footprints() {
-            return Ok(());
+    /// The device was lost.
+    pub fn measured(&mut self) -> Result<Option<Footprints>, RenderError> {
+        if !self.measuring.is_under_way() {
+            return Ok(None);
         }
-        if self.measuring.is_under_way() {
-            self.poll(false)?;
-            if let Some(footprints) = self.measuring.finish()? {
-                session.see(AssetId(0), footprints);
-            }
-        }
-        if session.shown_tick().is_some() && self.measuring.is_due(moment) {
-            self.begin_measuring(moment, style)?;
-        }
-        session.expect_footprints(self.measuring.is_under_way());
-        Ok(())
+        self.poll(false)?;
+        self.measuring.finish()
     }
 
-    /// The same, waiting for what is drawn now.
-    ///
-    /// # Errors
-    /// The device was lost, or binds no buffer for as many units.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn measure_now(
-        &mut self,
-        session: &mut Session,
-        moment: &Moment,
-        style: &SceneStyle,
-    ) -> Result<(), RenderError> {
-        let is_shown = session.needs_footprints() && session.shown_tick().is_some();
-        if is_shown && self.measuring.is_due(moment) {
-            session.see(AssetId(0), self.footprints(moment, style)?);
-        }
-        Ok(())
+    /// Whether something is being measured.
+    #[must_use]
+    pub fn is_measuring(&self) -> bool {
+        self.measuring.is_under_way()
+    }
+
+    /// Whether a moment is to be measured that was not.
+    #[must_use]
+    pub fn is_due(&self, moment: &Moment) -> bool {
+        self.measuring.is_due(moment)
     }
 
     /// What parts of the view units would refine of what is drawn now. Blocks.
@@ -247,7 +201,15 @@ impl SceneDrawer {
         Ok(self.measuring.finish()?.unwrap_or_default())
     }
 
-    fn begin_measuring(&mut self, moment: &Moment, style: &SceneStyle) -> Result<(), RenderError> {
+    /// Begins to measure what is drawn now.
+    ///
+    /// # Errors
+    /// The device was lost, or binds no buffer for as many units.
+    pub fn begin_measuring(
+        &mut self,
+        moment: &Moment,
+        style: &SceneStyle,
+    ) -> Result<(), RenderError> {
         let (mut found, mut coming) = (Vec::new(), Vec::new());
         for glance in moment.glances() {
             match &mut self.engine {
@@ -275,52 +237,64 @@ impl SceneDrawer {
             .map_err(|reason| RenderError::ReadBack(reason.to_string()))
     }
 
-    /// The texture of the picture that a view shows on the GPU; the next call reuses it. `None`
-    /// where no GPU draws.
+    /// The texture of the picture that a view shows on the GPU, in front of what is under it; the
+    /// next call reuses it. `None` where no GPU draws.
     ///
     /// # Errors
     /// The picture is larger than the device draws.
     pub fn draw(
         &mut self,
+        under: &Under,
         view: &EyeView,
         style: &SceneStyle,
     ) -> Result<Option<&wgpu::Texture>, RenderError> {
         match &mut self.engine {
-            Engine::Gpu(layer) => layer.draw(view, style).map(Some),
+            Engine::Gpu(layer) => {
+                let texture = under.texture.as_ref();
+                layer.draw_over(texture, view, style).map(Some)
+            }
             Engine::Twin(_) | Engine::Nothing => Ok(None),
         }
     }
 
-    /// The picture that a view shows, on its way to main memory; `None` when nothing draws.
+    /// The same, on its way to main memory; `None` when nothing draws.
     ///
     /// # Errors
     /// The picture is larger than the device draws.
     pub fn read(
         &mut self,
+        under: &Under,
         view: &EyeView,
         style: &SceneStyle,
     ) -> Result<Option<DrawnPicture>, RenderError> {
         Ok(match &mut self.engine {
-            Engine::Gpu(layer) => Some(DrawnPicture::Coming(layer.read(view, style)?)),
-            Engine::Twin(twin) => Some(DrawnPicture::Here(twin.picture(view, style))),
+            Engine::Gpu(layer) => {
+                let texture = under.texture.as_ref();
+                Some(DrawnPicture::Coming(layer.read_over(texture, view, style)?))
+            }
+            Engine::Twin(twin) => {
+                let picture = twin.picture_over(under.image.as_ref(), view, style);
+                Some(DrawnPicture::Here(picture))
+            }
             Engine::Nothing => None,
         })
     }
 
-    /// The picture that a view shows; `None` when nothing draws. Blocks.
+    /// The same, once it is there. Blocks.
     ///
     /// # Errors
     /// The picture is larger than the device draws.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn picture(
         &mut self,
+        under: &Under,
         view: &EyeView,
         style: &SceneStyle,
     ) -> Result<Option<RgbaImage>, RenderError> {
-        Ok(match &mut self.engine {
-            Engine::Gpu(layer) => Some(layer.picture(view, style)?),
-            Engine::Twin(twin) => Some(twin.picture(view, style)),
-            Engine::Nothing => None,
+        Ok(match (self.read(under, view, style)?, &self.device) {
+            (Some(DrawnPicture::Coming(read)), DrawDevice::Gpu(gpu)) => Some(read.wait(gpu)?),
+            (Some(DrawnPicture::Here(image)), _) => Some(image),
+            (Some(DrawnPicture::Coming(_)) | None, _) => None,
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Which parts of the view would units refine, measured while something else goes on?
 
 use crate::error::RenderError;
-use crate::meshes::footprints::FootprintsBack;
+use crate::scene::footprints::FootprintsBack;
 use foveal_core::perception::footprints::{Footprint, Footprints};
 use foveal_core::perception::moment::Moment;
 use foveal_core::units::Radians;
