@@ -15,6 +15,8 @@ pub struct ExpectedLoss {
     /// The quality difference that a judge is expected to find, as
     /// [`jod_lost`](foveal_core::perception::visible_loss::jod_lost) takes it.
     pub quality: f64,
+    /// Whether that is known: no part loses far more than was judged of this content.
+    pub is_known: bool,
 }
 
 /// What one frame took.

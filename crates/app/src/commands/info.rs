@@ -453,6 +453,10 @@ fn is_softer(about: &Description) -> bool {
 pub(crate) fn run(args: &InfoArgs) -> anyhow::Result<()> {
     match Pack::open(&args.pack)? {
         Pack::Video(file) => {
+            if let Err(error) = file.calibration() {
+                let again = "`foveal calibrate PACK --out NEW` writes a copy with a new one";
+                output::say(&format!("warning: {error}; {again}"));
+            }
             let info = PackInfo::new(&file)?;
             output::result(args.json, &info, &info.text())
         }

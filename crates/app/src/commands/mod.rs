@@ -16,6 +16,7 @@ pub(crate) mod score;
 pub(crate) mod select;
 pub(crate) mod serve;
 pub(crate) mod simulate;
+mod simulate_expected;
 pub(crate) mod simulate_length;
 pub(crate) mod simulate_options;
 pub(crate) mod simulate_pictures;

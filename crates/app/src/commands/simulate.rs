@@ -2,6 +2,7 @@
 
 use crate::commands::scene;
 use crate::commands::score::ScoreReport;
+use crate::commands::simulate_expected::{expected_of, tell_expectation};
 use crate::commands::simulate_length::{MOST_LIVE, Playing};
 use crate::commands::simulate_options::SimulateArgs;
 use crate::commands::simulate_pictures::PictureSinks;
@@ -42,11 +43,6 @@ use std::time::{Duration, Instant};
 const TARGET_WITHIN: f64 = 0.2;
 /// A pixel as three 32-bit floats, which is what Kastner 2016 (table 5.4) counts shares of.
 const FLOATS_BYTES: u64 = 12;
-/// Why `expected_jod` is null under a link.
-const NO_EXPECTED_JOD: &str = "under --link no score is expected (expected_jod is null): \
-                               the expectation leaves out what is loaded outside the view and \
-                               what uniform leaves; --score measures it";
-
 /// What a run took.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct RunSummary {
@@ -152,7 +148,7 @@ pub(crate) fn run(args: &SimulateArgs) -> anyhow::Result<()> {
     output::write_whole(&args.out.join(LOG), session.as_bytes())?;
     output::write_whole(&args.out.join(TABLE), csv(&reports, of_frames).as_bytes())?;
     let jods = scores.as_ref().map(|scores| scores.jods.as_slice());
-    tell_expectation(&player);
+    tell_expectation(&player, &reports);
     let summary = RunSummary {
         policy_chosen: *policy_chosen,
         intermediate_pixels: panels.as_deref().map(intermediate_pixels),
@@ -377,13 +373,6 @@ fn play(
     Ok(reports)
 }
 
-/// Says where no score is expected, and why.
-fn tell_expectation(player: &Player) {
-    if !player.knows_score() {
-        output::say(NO_EXPECTED_JOD);
-    }
-}
-
 fn sleep_until(due: Instant) {
     std::thread::sleep(due.saturating_duration_since(Instant::now()));
 }
@@ -416,8 +405,7 @@ pub(crate) fn summarise(
     let (surface, gpu_bytes) = (player.grid().surface, player.drawer().gpu_bytes());
     let gpu_share_of = |bytes: u64| gpu_bytes as f64 / bytes as f64;
     let detail = reports.iter().map(|r| r.detail_share).sum::<Option<f64>>();
-    let quality = reports.iter().map(|r| Some(r.expected?.quality));
-    let quality = quality.sum::<Option<f64>>();
+    let quality = expected_of(reports);
     RunSummary {
         policy,
         policy_chosen: None,

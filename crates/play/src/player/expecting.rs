@@ -2,6 +2,7 @@
 
 use super::Player;
 use crate::report::ExpectedLoss;
+use foveal_core::content::video::calibration::density_of;
 use foveal_core::content::video::grid::level_map::LevelMap;
 use foveal_core::content::video::units::VideoUnits;
 use foveal_core::content::video::worth::Gains;
@@ -9,7 +10,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::glance::Glance;
 use foveal_core::perception::parameters::EyeState;
 use foveal_core::perception::visible_loss::quality_of_jod;
-use foveal_core::units::Seconds;
+use foveal_core::units::{Ppd, Seconds};
 use foveal_core::view::eye_view::EyeView;
 
 impl Player {
@@ -19,6 +20,15 @@ impl Player {
     pub fn knows_score(&self) -> bool {
         let spends = self.config().policy.spends_a_budget();
         self.video.calibration().is_some() || !(spends && self.options.bytes_per_s.is_finite())
+    }
+
+    /// The density of the view, where a target is kept by what was judged at others alone.
+    #[must_use]
+    pub fn unjudged_density(&self) -> Option<Ppd> {
+        self.config().target?;
+        let density = density_of(&self.grid().surface, &self.options.view);
+        let calibration = self.video.calibration()?;
+        (!calibration.covers(density)).then_some(density)
     }
 
     /// Whether a link buys no more because what was bought reaches the target; `None` where nothing
@@ -61,9 +71,13 @@ impl Player {
             let losses = meter.losses(grid, video, frame, &glance).of(shown);
             let gains = judge.gains(grid, video, frame, &glance);
             let scale = video.scale(glance.view.as_ref());
-            let jod = scale.expected(rule, &losses).jod;
-            let quality = quality_of_jod(jod);
-            (gains, ExpectedLoss { losses, quality })
+            let expected = scale.expected(rule, &losses);
+            let loss = ExpectedLoss {
+                losses,
+                quality: quality_of_jod(expected.jod),
+                is_known: expected.is_known,
+            };
+            (gains, loss)
         };
         let (gains, losses): (Vec<Gains>, Vec<ExpectedLoss>) = glances.map(through).unzip();
         let gained = Gains::highest(gains).share(grid, shown);

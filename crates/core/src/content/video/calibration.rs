@@ -31,6 +31,8 @@ const MOST_BEYOND: f64 = 1.1;
 /// Of what the judge has not seen, at most so many times what it found at the largest bound is
 /// lost: a picture of the coarsest level alone, before anything else is loaded, loses no more.
 const MOST_LOST_BEYOND: f64 = 2.0;
+/// Below this score constants that fit most content say nothing.
+const LEAST_KNOWN_JOD: f64 = 7.0;
 /// Densities that are nearer to each other are the same.
 const SAME_DENSITY: f64 = 0.02;
 
@@ -336,6 +338,18 @@ impl Curves {
     /// Logarithm of the JOD that a zone loses at a predicted loss; beyond what was found of it, at
     /// least what the whole picture loses there.
     fn lost_at(&self, zone: usize, loss: f64) -> Option<f64> {
+        let (lost, most) = self.lost_and_most(zone, loss)?;
+        Some(lost.min(most))
+    }
+
+    /// Whether a zone loses more than anything that is known of it.
+    fn is_beyond(&self, zone: usize, loss: f64) -> bool {
+        self.lost_and_most(zone, loss)
+            .is_some_and(|(lost, most)| lost > most)
+    }
+
+    /// What the curve of a zone says, and the most that it is believed.
+    fn lost_and_most(&self, zone: usize, loss: f64) -> Option<(f64, f64)> {
         let loss = libm::log(loss.max(f64::MIN_POSITIVE));
         let of = |points: &[Point]| {
             let points: Vec<[f64; 2]> = points.iter().map(|it| [it.loss, it.lost_jod]).collect();
@@ -347,7 +361,7 @@ impl Curves {
             _ => points,
         };
         let most = points.last()?.lost_jod + libm::log(MOST_LOST_BEYOND);
-        Some(of(points)?.min(most))
+        Some((of(points)?, most))
     }
 
     /// Logarithm of the bound at which a zone has a score, at most the largest that was judged, as
@@ -413,6 +427,9 @@ pub struct Expected {
     pub jod: f64,
     /// Of the worst zone, had the whole picture been like it.
     pub worst_zone: f64,
+    /// Whether no zone loses so much more than the judge has seen of this content that the scores
+    /// are only upper bounds.
+    pub is_known: bool,
 }
 
 impl Expected {
@@ -452,11 +469,12 @@ impl Scale {
             return Expected {
                 jod,
                 worst_zone: jod,
+                is_known: jod >= LEAST_KNOWN_JOD,
             };
         }
         let side = self.side(rule);
         let all: f64 = losses.pixels.iter().sum();
-        let (mut sum, mut worst_zone) = (0.0, BEST_JOD);
+        let (mut sum, mut worst_zone, mut is_known) = (0.0, BEST_JOD, true);
         for zone in 0..ZONES {
             let Some(loss) = losses.zone(zone) else {
                 continue;
@@ -464,12 +482,14 @@ impl Scale {
             let lost = side.between(|curves| curves.lost_at(zone, loss));
             let jod = BEST_JOD - lost.unwrap_or(0.0);
             worst_zone = worst_zone.min(jod);
+            is_known &= !side.near.is_beyond(zone, loss);
             let share = losses.pixels[zone] / all;
             sum += share * libm::pow(quality_of_jod(jod), SPACE_EXPONENT);
         }
         Expected {
             jod: BEST_JOD - jod_lost(libm::pow(sum, 1.0 / SPACE_EXPONENT)),
             worst_zone,
+            is_known,
         }
     }
 

@@ -81,7 +81,7 @@ struct Last {
     moment: Moment,
     levels: LevelMap,
     /// The score to expect for it; computed when first asked for.
-    jod: OnceLock<f64>,
+    jod: OnceLock<Option<f64>>,
 }
 
 impl VideoDemand {
@@ -266,13 +266,12 @@ impl Demand for VideoDemand {
             let through = |glance: Glance| {
                 let losses = meter.losses(&self.grid, &*self.content, last.frame, &glance);
                 let scale = self.content.scale(glance.view.as_ref());
-                scale.expected(rule, &losses.of(&last.levels)).jod
+                let expected = scale.expected(rule, &losses.of(&last.levels));
+                expected.is_known.then_some(expected.jod)
             };
-            last.moment
-                .glances()
-                .map(through)
-                .fold(f64::INFINITY, f64::min)
+            let mut views = last.moment.glances().map(through);
+            views.try_fold(f64::INFINITY, |least, jod| Some(least.min(jod?)))
         };
-        Some(*last.jod.get_or_init(jod))
+        *last.jod.get_or_init(jod)
     }
 }
