@@ -13,6 +13,9 @@ use foveal_core::perception::visible_loss::quality_of_jod;
 use foveal_core::units::{Ppd, Seconds};
 use foveal_core::view::eye_view::EyeView;
 
+/// So many times as dense, or as coarse, a screen is another than the one that was judged.
+const OTHER_SCREEN: f64 = 1.5;
+
 impl Player {
     /// Whether the losses that are expected of frames predict a score: where a link limits what is
     /// bought only if a judge saw the content while it was prepared.
@@ -22,13 +25,19 @@ impl Player {
         self.video.calibration().is_some() || !(spends && self.options.bytes_per_s.is_finite())
     }
 
-    /// The density of the view, where a target is kept by what was judged at others alone.
+    /// The density of the view, where a target is kept by what was judged at others alone: flat
+    /// content is judged on the usual screen.
     #[must_use]
     pub fn unjudged_density(&self) -> Option<Ppd> {
         self.config().target?;
-        let density = density_of(&self.grid().surface, &self.options.view);
+        let view = &self.options.view;
+        let (seen, density) = (
+            view.as_seen().least_ppd(),
+            density_of(&self.grid().surface, view),
+        );
+        let is_usual = (1.0 / OTHER_SCREEN..=OTHER_SCREEN).contains(&(seen.0 / density.0));
         let calibration = self.video.calibration()?;
-        (!calibration.covers(density)).then_some(density)
+        (!is_usual || !calibration.covers(density)).then_some(seen)
     }
 
     /// Whether a link buys no more because what was bought reaches the target; `None` where nothing
