@@ -483,12 +483,19 @@ impl Witness for Guide<'_> {
         let begun = Instant::now();
         let found = calibrate(pack, extent, self.jobs);
         self.calibrate_s = begun.elapsed().as_secs_f64();
-        let found = found.unwrap_or_else(|error| {
-            let why = output::told(&error);
-            let text = format!("the pack cannot be calibrated: {why}");
-            warn(input, &[text]);
-            None
-        })?;
+        let found = match found {
+            Ok(Some(found)) => found,
+            Ok(None) => {
+                let text = "its pictures are too small for a score, so it is not calibrated";
+                output::say(&format!("{}: {text}", input.display()));
+                return None;
+            }
+            Err(error) => {
+                let why = output::told(&error);
+                warn(input, &[format!("the pack cannot be calibrated: {why}")]);
+                return None;
+            }
+        };
         if let Some(left_out) = found.left_out {
             output::say(&format!("{}: {left_out}", input.display()));
         }

@@ -12,6 +12,9 @@ const NO_EXPECTED_JOD: &str = "under --link no score is expected (expected_jod i
 const BEYOND_JUDGED: &str = "more detail is left out than was judged of this content, so no score \
                              is expected (expected_jod is null); --score measures it";
 
+const OTHER_EYE: &str = "the pack was judged for the default eye: for the one of --set or \
+                         --sensitivity a target is kept less well";
+
 /// The sum of the quality differences that are expected of frames; `None` where more than a tenth
 /// of them lose far more than was judged of the content.
 pub(super) fn expected_of(reports: &[FrameReport]) -> Option<f64> {
@@ -28,6 +31,9 @@ pub(super) fn tell_expectation(player: &Player, reports: &[FrameReport]) {
         output::say(NO_EXPECTED_JOD);
     } else if reports.iter().any(|it| it.expected.is_some()) && expected_of(reports).is_none() {
         output::say(BEYOND_JUDGED);
+    }
+    if player.is_of_another_eye() {
+        output::say(OTHER_EYE);
     }
     if let Some(density) = player.unjudged_density() {
         output::say(&format!(

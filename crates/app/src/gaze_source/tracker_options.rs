@@ -70,6 +70,9 @@ fn parse_columns(text: &str) -> anyhow::Result<TimedColumns> {
     if [time, x, y].contains(&"") {
         bail!("expected the names of three columns as t,x,y; one of them is empty");
     }
+    if time == x || time == y || x == y {
+        bail!("expected the names of three columns as t,x,y; one is named twice");
+    }
     Ok(TimedColumns {
         names: [time, x, y].map(str::to_owned),
         unit_s,

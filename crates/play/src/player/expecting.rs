@@ -8,7 +8,7 @@ use foveal_core::content::video::units::VideoUnits;
 use foveal_core::content::video::worth::Gains;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::glance::Glance;
-use foveal_core::perception::parameters::EyeState;
+use foveal_core::perception::parameters::{EyeState, Parameters};
 use foveal_core::perception::visible_loss::quality_of_jod;
 use foveal_core::units::{Ppd, Seconds};
 use foveal_core::view::eye_view::EyeView;
@@ -38,6 +38,14 @@ impl Player {
         let is_usual = (1.0 / OTHER_SCREEN..=OTHER_SCREEN).contains(&(seen.0 / density.0));
         let calibration = self.video.calibration()?;
         (!is_usual || !calibration.covers(density)).then_some(seen)
+    }
+
+    /// Whether a target is kept by what was judged for another eye than the one that is chosen for.
+    #[must_use]
+    pub fn is_of_another_eye(&self) -> bool {
+        let config = self.config();
+        let is_kept = config.target.is_some() && self.video.calibration().is_some();
+        is_kept && config.perception != Parameters::default()
     }
 
     /// Whether a link buys no more because what was bought reaches the target; `None` where nothing

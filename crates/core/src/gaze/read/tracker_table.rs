@@ -5,7 +5,7 @@
 
 use crate::gaze::read::row::{TraceRow, degrees_of};
 use crate::gaze::read::trace::{MAX_LINE_BYTES, Trace, TraceError};
-use crate::units::Seconds;
+use crate::units::{Seconds, one_line};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -55,11 +55,22 @@ pub enum TrackerError {
     /// No line names the columns.
     #[error(
         "no line of the first {HEADER_LINES} names {}; give the names as they stand in the file",
-        columns.join(", ")
+        one_line(&columns.join(", "))
     )]
     Header {
         /// What was looked for.
         columns: [String; 3],
+    },
+    /// A column is there twice.
+    #[error(
+        "line {line}: names column {} more than once; leave one of them",
+        one_line(column)
+    )]
+    Twice {
+        /// Line in the file, from 1.
+        line: usize,
+        /// Name of the column.
+        column: String,
     },
     /// An invalid time.
     #[error("line {line}, column {column}: found \"{found}\", expected a time")]
@@ -162,6 +173,18 @@ impl TrackerReader {
             let [time, x, y] = self.form.columns.each_ref().map(place);
             Some((separator, [time?, x?, y?]))
         });
+        if let Some((separator, _)) = self.header {
+            let is_twice = |name: &&String| {
+                let same = cells(text, separator).filter(|it| *it == name.as_str());
+                same.count() > 1
+            };
+            if let Some(column) = self.form.columns.iter().find(is_twice) {
+                return Err(TrackerError::Twice {
+                    line: self.lines,
+                    column: column.clone(),
+                });
+            }
+        }
         if self.header.is_none() && self.lines >= HEADER_LINES {
             let columns = self.form.columns.clone();
             return Err(TrackerError::Header { columns });
@@ -344,6 +367,10 @@ mod tests {
         for (text, part) in [
             ("", "names t, x, y"),
             ("t,x\n0,1\n", "names t, x, y"),
+            (
+                "t,x,y,x\n0,1,2,3\n",
+                "line 1: names column x more than once",
+            ),
             (
                 "t,x,y\n0,600,300\nsoon,600,300\n",
                 "line 3, column t: found \"soon\"",

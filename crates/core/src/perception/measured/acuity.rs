@@ -181,6 +181,14 @@ mod tests {
                 "0° of eccentricity follows 5°",
             ),
             ("ecc_deg,mar_deg\n", "found 0 rows"),
+            (
+                "ecc_deg,mar_deg,mar_arcmin\n0,0.02,5\n",
+                "names mar_deg and mar_arcmin more than once",
+            ),
+            (
+                "ecc_deg,mar_deg,mar_deg\n0,1,2\n",
+                "names mar_deg and mar_deg more than once",
+            ),
         ] {
             assert!(error(text).contains(part), "{text:?}: {}", error(text));
         }

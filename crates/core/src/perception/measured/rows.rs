@@ -21,6 +21,12 @@ pub enum MeasuredError {
         /// All of them.
         all: &'static str,
     },
+    /// A column is there twice, or in two units.
+    #[error("line 1: the header names {names} more than once; leave one of them")]
+    Twice {
+        /// The names that it has.
+        names: String,
+    },
     /// A cell that is no number, not finite or out of range.
     #[error("line {line}, column {column}: found \"{found}\", expected {expected}")]
     Value {
@@ -78,10 +84,17 @@ pub(super) fn rows<const N: usize>(
     let names: Vec<&str> = header.split(',').map(str::trim).collect();
     let mut places = [(0, "", 1.0); N];
     for (place, column) in places.iter_mut().zip(columns) {
-        let found = column.names.iter().find_map(|(name, units)| {
-            let at = names.iter().position(|found| found == name)?;
+        let of_column = names.iter().enumerate().filter_map(|(at, found)| {
+            let (name, units) = column.names.iter().find(|(name, _)| name == found)?;
             Some((at, *name, *units))
         });
+        let all_found: Vec<(usize, &str, f64)> = of_column.collect();
+        if all_found.len() > 1 {
+            let names = all_found.iter().map(|(_, name, _)| *name);
+            let names = names.collect::<Vec<_>>().join(" and ");
+            return Err(MeasuredError::Twice { names });
+        }
+        let found = all_found.first().copied();
         let missing = column.names.first().map_or("", |(name, _)| name);
         *place = found.ok_or(MeasuredError::Header { missing, all })?;
     }

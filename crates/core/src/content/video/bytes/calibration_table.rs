@@ -17,6 +17,8 @@ const HEAD_BYTES: usize = 8;
 const ROW_BYTES: usize = 32;
 /// Two rules, four parts of the picture, eight densities and sixteen bounds.
 const MOST_ROWS: usize = 2 * (1 + ZONES) * 8 * 16;
+/// A picture shows every finest pixel, and the coarsest level besides.
+const MOST_SHARE: f64 = 2.0;
 /// Scores are stored in hundredths.
 const HUNDREDTHS: f64 = 100.0;
 
@@ -54,8 +56,16 @@ impl Calibration {
         let rows: Option<Vec<CalibrationRow>> = rows.iter().map(read_row).collect();
         let rows =
             rows.ok_or_else(|| refused("another rule or zone".to_owned(), "0, 1; 0 to 3"))?;
-        Self::new(gazes, frames, rows)
-            .map_err(|expected| refused("other rows".to_owned(), expected))
+        if let Some(row) = rows.iter().find(|row| row.pixels_share > MOST_SHARE) {
+            let found = format!("{} of the pixels", row.pixels_share);
+            return Err(refused(found, "a share of at most 2"));
+        }
+        let all = Self::new(gazes, frames, rows.clone());
+        let all = all.map_err(|expected| refused("other rows".to_owned(), expected))?;
+        match all.rows() == rows {
+            true => Ok(all),
+            false => Err(refused("rows in another order".to_owned(), "each rising")),
+        }
     }
 
     /// The side table.

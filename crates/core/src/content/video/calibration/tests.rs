@@ -73,6 +73,11 @@ fn nothing_lost_is_the_best_score_and_more_lost_is_a_lower_one_up_to_a_bound() {
     let falls = |pair: &[f64]| pair[1] < pair[0] || pair[1] == worst;
     assert!(jods.windows(2).all(falls), "{jods:?}");
     assert!((7.0..8.0).contains(&worst), "{worst}");
+    let is_known = |loss: f64| {
+        let losses = losses([loss; ZONES]);
+        scale.expected(Expectation::ByLoss, &losses).is_known
+    };
+    assert!(is_known(0.0) && is_known(1.0) && !is_known(1e6));
 }
 
 #[test]
@@ -185,9 +190,19 @@ fn a_table_tells_what_was_written_and_damage_is_refused() {
     for cut in [0, 4, 7, 9, table.bytes.len() - 1] {
         assert!(refused(table.version, &table.bytes[..cut]), "{cut}");
     }
-    let mut rows = table.bytes;
-    rows[8] = 2;
-    assert!(refused(table.version, &rows), "another rule");
+    let with = |change: &dyn Fn(&mut [u8])| {
+        let mut bytes = table.bytes.clone();
+        change(&mut bytes);
+        refused(table.version, &bytes)
+    };
+    assert!(with(&|bytes| bytes[8] = 2), "another rule");
+    let share = 1e30_f32.to_le_bytes();
+    assert!(
+        with(&|bytes| bytes[28..32].copy_from_slice(&share)),
+        "a share"
+    );
+    let swapped = |bytes: &mut [u8]| bytes[8..72].rotate_left(32);
+    assert!(with(&swapped), "rows in another order");
 }
 
 proptest! {
