@@ -55,7 +55,7 @@ pub(crate) struct ViewArgs {
     /// (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(super) link: Option<Link>,
-    /// Scenes: what units may take on the GPU, as 32MB or 1GB.
+    /// Scenes: what units and pictures of them may take on the GPU, as 32MB or 1GB.
     #[arg(long, value_name = "SIZE", default_value = "256MB", value_parser = parse_memory)]
     pub(super) gpu_memory: u64,
     #[command(flatten)]

@@ -210,17 +210,9 @@ fn number(is_wide: bool, value: u64) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::film::corrected::made::{boxed, words};
     use proptest::prelude::*;
     use std::io::Cursor;
-
-    fn boxed(name: &[u8; 4], inside: &[u8]) -> Vec<u8> {
-        let length = (inside.len() as u32 + 8).to_be_bytes();
-        [&length[..], name, inside].concat()
-    }
-
-    fn words(all: &[u32]) -> Vec<u8> {
-        all.iter().flat_map(|it| it.to_be_bytes()).collect()
-    }
 
     /// A film of 20 frames at 10 frames a second, of 1024 units each, with this edit; where it says
     /// when frames are shown, the first one is so late.

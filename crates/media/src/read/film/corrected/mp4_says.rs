@@ -306,17 +306,9 @@ fn of_track(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::read::film::corrected::made::{boxed, words};
     use proptest::prelude::*;
     use std::io::Cursor;
-
-    fn boxed(name: &[u8; 4], inside: &[u8]) -> Vec<u8> {
-        let length = (inside.len() as u32 + 8).to_be_bytes();
-        [&length[..], name, inside].concat()
-    }
-
-    fn words(all: &[u32]) -> Vec<u8> {
-        all.iter().flat_map(|it| it.to_be_bytes()).collect()
-    }
 
     /// A film of one track of 1.2 s, at 10,240 units a second, by the number that it gives.
     fn film(units: u32, speed: u32) -> Vec<u8> {
