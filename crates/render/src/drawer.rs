@@ -2,12 +2,12 @@
 
 use crate::asset_drawer::AssetDrawer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
+use crate::drawn_scene::DrawnScene;
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::kinds::moves;
 use crate::params::Overlay;
-use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;

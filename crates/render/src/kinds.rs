@@ -34,7 +34,9 @@ impl SceneLayer {
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let pages = PageLayer::new(gpu, textures, objects, most_bytes)?;
-        let placements = Arc::new(Placements::new(objects, pages.table()));
+        let placements = Arc::new(Placements::new(objects, |number, object| {
+            pages.table().place_of(number, object)
+        }));
         let meshes = MeshLayer::new(gpu, objects, &placements)?;
         let mut layers: Vec<Box<dyn KindLayer>> = vec![Box::new(pages), Box::new(meshes)];
         if objects.iter().any(|it| it.points.is_some()) {
@@ -49,7 +51,9 @@ impl TwinScene {
     #[must_use]
     pub fn new(objects: &[SceneObject], textures: &[SceneTexture]) -> Self {
         let pages = TwinPages::new(textures, objects);
-        let placements = Arc::new(Placements::new(objects, &pages.table));
+        let placements = Arc::new(Placements::new(objects, |number, object| {
+            pages.table.place_of(number, object)
+        }));
         let meshes = TwinMeshes::new(objects.len(), &placements);
         let points = TwinPoints::new(objects);
         let layers: Vec<Box<dyn TwinLayer>> =
