@@ -67,7 +67,7 @@ impl DrawnScene {
     /// # Errors
     /// It is not what it should be, or the device was lost.
     pub(crate) fn upload(&mut self, unit: UnitId, payload: &Payload) -> Result<bool, RenderError> {
-        if matches!(payload, Payload::Picture(_)) {
+        if payload.view().kind().is_none() {
             return Err(RenderError::OtherKind);
         }
         let row = self.scene.pack().row(unit);

@@ -3,6 +3,7 @@
 use crate::content::images::payload::ImagePage;
 use crate::content::mesh::payload::MeshUnit;
 use crate::content::points::payload::PointUnit;
+use crate::content::scene::kind::UnitKind;
 use crate::view::picture::Picture;
 
 /// A decoded frame of a unit, of any kind of content.
@@ -41,5 +42,26 @@ impl Payload {
             Self::Image(page) => PayloadView::Image(page),
             Self::Points(unit) => PayloadView::Points(unit),
         }
+    }
+}
+
+impl PayloadView<'_> {
+    /// The kind of a unit of a scene; `None` of a video.
+    #[must_use]
+    pub fn kind(self) -> Option<UnitKind> {
+        match self {
+            Self::Picture(_) => None,
+            Self::Mesh(_) => Some(UnitKind::Mesh),
+            Self::Image(_) => Some(UnitKind::Image),
+            Self::Points(_) => Some(UnitKind::Points),
+        }
+    }
+
+    /// Whether it is on its way once it is there: [`KindFacts::morphs`].
+    ///
+    /// [`KindFacts::morphs`]: crate::content::scene::kind::KindFacts::morphs
+    #[must_use]
+    pub fn morphs(self) -> bool {
+        self.kind().is_some_and(|kind| kind.facts().morphs)
     }
 }

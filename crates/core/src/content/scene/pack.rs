@@ -206,9 +206,8 @@ impl ScenePack {
     /// Whether a unit is of the kind of its object, and one of points refines an octant.
     fn check_kind(&self, row: &UnitRow) -> Result<(), PackError> {
         let object = self.description.objects.get(usize::from(row.object));
-        let is_cloud = object.is_some_and(|it| it.points.is_some());
         let is_points = row.kind == UnitKind::Points;
-        if is_cloud != is_points {
+        if object.is_some_and(|it| it.shape.kind() != row.kind.facts().objects) {
             let found = format!("{:?}", row.kind);
             return Err(PackError::new("kind", found, "the kind of its object"));
         }
@@ -230,10 +229,9 @@ impl ScenePack {
         let points = self.rows.iter().filter(|it| it.kind == UnitKind::Points);
         points.for_each(|it| counts[usize::from(it.object)] += u64::from(it.samples));
         for (object, count) in objects.iter().zip(counts) {
-            if object.points.is_some_and(|it| it.count != count) {
+            if let Some(cloud) = object.shape.cloud().filter(|it| it.count != count) {
                 let field = format!("table {UNITS}, points of {:?}", object.name);
-                let expected = object.points.map_or(0, |it| it.count);
-                return Err(PackError::new(&field, count, expected));
+                return Err(PackError::new(&field, count, cloud.count));
             }
         }
         Ok(())
@@ -328,7 +326,7 @@ impl ScenePack {
             }
             UnitKind::Points => {
                 let object = &self.description.objects[usize::from(row.object)];
-                let attributes = object.points.map(|it| it.attributes);
+                let attributes = object.shape.cloud().map(|it| it.attributes);
                 PointUnit::parse(chunk, attributes.unwrap_or_default()).map(Payload::Points)
             }
             UnitKind::Image => {
