@@ -82,7 +82,7 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
     let graphs = graphs.chain([Graph::of_typescript(tree, "web/src/")]);
     breaches.extend(graphs.flat_map(|graph| circles::check(&graph)));
     breaches.extend(names::check(&crates));
-    breaches.extend(crates.get("core").map(kinds::check).unwrap_or_default());
+    breaches.extend(kinds::check(tree, &crates));
     breaches.extend(one_loop::check(tree));
     breaches.extend(architecture::check(tree));
     for (path, file) in tree.files() {
