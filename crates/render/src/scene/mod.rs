@@ -1,6 +1,7 @@
 //! Scenes: layers of units of all kinds, and the pictures that are drawn of them.
 
 pub mod coming;
+pub mod corner_pass;
 pub mod footprints;
 pub mod kind;
 pub(crate) mod layer;
