@@ -2,16 +2,15 @@
 
 mod layer;
 
+use crate::common::playing::play;
 use crate::looking::looking;
 use crate::made_video::Made;
 use crate::octree_boxes::{Boxes, place_of};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::{OtherPayload, Payload};
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::Policy;
 use foveal_core::content::unit::AssetId;
-use foveal_core::session::actions::{Cache, Pace, SessionAction, SessionEvent};
-use foveal_core::session::bounds::Bounds;
-use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::actions::{Cache, Now, Pace, SessionAction};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Projection;
@@ -20,7 +19,6 @@ use foveal_render::{
     Coming, DrawDevice, Drawer, Gpu, RgbaImage, SceneLayer, SceneStyle, TileStyle,
 };
 use layer::{BoxLayer, BoxUnit};
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 const SIDE: u32 = 160;
@@ -73,15 +71,6 @@ fn perform(
 fn played(gpu: &Gpu, bytes_per_s: f64) -> ([u64; 2], [RgbaImage; 2]) {
     let video = Made::new(Projection::Flat, [256, 256], 64).build().unwrap();
     let contents: [Arc<dyn Content>; 2] = [Arc::clone(&video) as _, Arc::new(Boxes::default())];
-    let settings = SessionSettings {
-        policy: PolicyConfig::new(Policy::Perceptual),
-        bytes_per_s: Some(bytes_per_s),
-        since: None,
-        zooms: false,
-        measures: false,
-        bounds: Bounds::default(),
-    };
-    let mut session = Session::new(contents.to_vec(), settings);
     let device = DrawDevice::Gpu(gpu.clone());
     let mut drawer = Drawer::new(&device, &video, TileStyle::default()).unwrap();
     let nowhere = Arc::new(Placements::new(&[], |_, _| Default::default()));
@@ -96,29 +85,15 @@ fn played(gpu: &Gpu, bytes_per_s: f64) -> ([u64; 2], [RgbaImage; 2]) {
             Payload::Picture(Picture::filled(width, height, [90, 128, 128]))
         }
     };
-    let (mut cache, mut seen, mut fetched) = (Cache::default(), BTreeSet::new(), [0; 2]);
-    for step in 0..40 {
-        let at = f64::from(step) * STEP_S;
-        let now = looking(at, at, Pace::Playing, [0.0; 2], SIDE);
-        let left = perform(&mut layer, session.step(&now), &mut cache);
-        let (_, _) = drawer.perform(left, &mut cache, &now).unwrap();
-        let resident = session.states().resident().into_iter().map(|it| it.unit);
-        for new in resident.filter(|unit| seen.insert(*unit)) {
-            let asset = usize::from(new.asset.0);
-            let unit = contents[asset].unit(new.unit);
-            let is_fine = unit.level < contents[asset].coarsest();
-            fetched[asset] += u64::from(is_fine) * u64::from(unit.bytes.unwrap());
-        }
-        let spent = fetched.iter().sum::<u64>() as f64;
-        assert!(spent <= at * bytes_per_s, "{spent} bytes in {at} s");
-        for piece in session.requested().to_vec() {
-            cache.insert(piece, payload(piece));
-            session.take(SessionEvent::Decoded { piece, frames: 1 });
-        }
-    }
-    let view = looking(0.0, 0.0, Pace::Standing, [0.0; 2], SIDE)
-        .moment
-        .views[0];
+    let at = |step| f64::from(step) * STEP_S;
+    let steps = (0..40).map(|step| looking(at(step), at(step), Pace::Playing, [0.0; 2], SIDE));
+    let steps: Vec<Now> = steps.collect();
+    let link = (Policy::Perceptual, bytes_per_s);
+    let fetched = play(&contents, link, &steps, payload, |actions, cache, now| {
+        let left = perform(&mut layer, actions, cache);
+        let (_, _) = drawer.perform(left, cache, now).unwrap();
+    });
+    let view = steps[0].moment.views[0];
     let alone = drawer.picture(&view, None).unwrap().unwrap();
     let under = drawer.draw(&view, None).unwrap();
     let both = layer.read_over(under, &view, &SceneStyle::default());
