@@ -7,6 +7,7 @@ use foveal_core::content::head::ContentHead;
 use foveal_core::content::policy::{HasTables, Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, Unit, UnitRef};
 use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{Entry, UnitPlace};
 use foveal_core::perception::moment::Moment;
 use foveal_core::session::actions::{Pace, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
@@ -116,6 +117,10 @@ impl Content for Boxes {
             gpu_bytes: 64,
             frames: 0..1,
         }
+    }
+
+    fn place(&self, _: UnitId) -> UnitPlace {
+        UnitPlace::At(Entry::default())
     }
 
     fn base(&self, _: u32) -> Vec<UnitId> {

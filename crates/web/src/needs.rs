@@ -1,11 +1,13 @@
 //! Which bytes of the file are needed, in which order?
 
 use crate::page_player::PagePlayer;
+use foveal_core::content::demand::Content;
 use foveal_core::content::opened::Opened;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
 use foveal_core::content::video::units::VideoUnits;
+use foveal_core::pack::UnitPlace;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::session::unit_states::Piece;
 use std::collections::HashSet;
@@ -70,8 +72,10 @@ impl Rows<'_> {
     fn tile(&mut self, kind: Kind, tile: Tile, frame: u32) {
         let pack = self.video.pack();
         let unit = pack.unit(tile, frame);
-        let Some(entry) = pack.index().known_entry(unit) else {
-            return self.page(pack.index().numbers().page_of(unit));
+        let entry = match self.video.place(unit) {
+            UnitPlace::At(entry) => entry,
+            UnitPlace::OnPage { page, .. } => return self.page(page),
+            UnitPlace::Lost => return,
         };
         if kind == Kind::Bytes && !self.units.insert(unit) {
             return;

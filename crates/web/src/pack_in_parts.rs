@@ -1,6 +1,7 @@
 //! What is known of a pack that is loaded in parts?
 
 use crate::options::Options;
+use foveal_core::content::demand::Content;
 use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
@@ -154,7 +155,7 @@ impl PackInParts {
         if unit.0 as usize >= scene.pack().len() {
             return Err(wrong(&field(), "no such unit", "one of the pack"));
         }
-        check_crc(&field(), chunk, scene.pack().entry(unit).crc32c)?;
+        scene.place(unit).known(&field())?.check(&field(), chunk)?;
         scene.pack().payload(unit, chunk)
     }
 }

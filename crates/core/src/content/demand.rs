@@ -3,6 +3,7 @@
 use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
+use crate::pack::UnitPlace;
 use crate::pack::unit::UnitId;
 use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
@@ -125,10 +126,12 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// What is known of a unit.
     fn unit(&self, unit: UnitId) -> Unit;
 
-    /// Whether a unit will never come, because its table row or index page is damaged.
+    /// Where the bytes of a unit lie in the file of the content.
+    fn place(&self, unit: UnitId) -> UnitPlace;
+
+    /// Whether a unit will never come, because nothing says where it is.
     fn is_lost(&self, unit: UnitId) -> bool {
-        let _ = unit;
-        false
+        self.place(unit) == UnitPlace::Lost
     }
 
     /// The units of the coarsest level at a frame: while one of them is missing, there is nothing

@@ -1,7 +1,7 @@
 //! How are the parts of a pack's file read, whatever is in it?
 
 use crate::plain_file::open_plain;
-use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, check_crc};
+use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, UnitPlace, check_crc};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
@@ -176,6 +176,19 @@ impl OpenPack {
         checked
             .map(|()| bytes)
             .map_err(|source| self.format(source))
+    }
+
+    /// The chunk of a unit, which errors call `what`, its checksum checked.
+    pub(crate) fn read_chunk(
+        &self,
+        place: UnitPlace,
+        what: &str,
+    ) -> Result<Vec<u8>, PackFileError> {
+        let wrong = |source| self.format(source);
+        let entry = place.known(what).map_err(wrong)?;
+        let chunk = self.read(entry.offset, u64::from(entry.bytes), &|| what.to_owned())?;
+        entry.check(what, &chunk).map_err(wrong)?;
+        Ok(chunk)
     }
 
     /// A part of the file, which errors call by what `what` says.

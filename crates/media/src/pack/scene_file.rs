@@ -4,6 +4,7 @@ use crate::pack::damage::Damage;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::{Looked, PackWriter};
+use foveal_core::content::demand::Content;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
@@ -15,8 +16,8 @@ use foveal_core::content::scene::pack::{
 };
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::content::scene::whole::SceneCheck;
+use foveal_core::pack::Header;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{Header, check_crc};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -137,13 +138,8 @@ impl SceneFile {
     /// # Errors
     /// It cannot be read, or is damaged.
     pub fn read_chunk(&self, unit: UnitId) -> Result<Vec<u8>, PackFileError> {
-        let entry = self.pack().entry(unit);
-        let what = || format!("chunk of unit {}", unit.0);
-        let bytes = self
-            .open
-            .read(entry.offset, u64::from(entry.bytes), &what)?;
-        let checked = check_crc(&what(), &bytes, entry.crc32c);
-        checked.map(|()| bytes).map_err(|it| self.open.format(it))
+        let what = format!("chunk of unit {}", unit.0);
+        self.open.read_chunk(self.scene.place(unit), &what)
     }
 
     /// A unit, read and parsed.

@@ -6,6 +6,7 @@ use crate::content::demand::{Content, Demand};
 use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
+use crate::pack::UnitPlace;
 use crate::pack::unit::UnitId;
 use glam::DVec3;
 use std::sync::Arc;
@@ -24,6 +25,10 @@ impl Content for Scene {
             gpu_bytes: row.gpu_bytes(),
             frames: 0..1,
         }
+    }
+
+    fn place(&self, unit: UnitId) -> UnitPlace {
+        self.pack().index().place(unit)
     }
 
     fn needs(&self, unit: UnitId) -> &[UnitId] {

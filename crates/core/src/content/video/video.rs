@@ -17,7 +17,7 @@ use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
-use crate::pack::{PackError, TableEntry, check_crc};
+use crate::pack::{PackError, TableEntry, UnitPlace, check_crc};
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 use crate::units::Seconds;
@@ -190,12 +190,9 @@ impl Video {
 
     /// Lengths of the access units of a chunk, its checksum checked.
     pub fn lengths(&self, unit: UnitId, chunk: &[u8]) -> Result<Vec<u32>, PackError> {
-        let Some(entry) = self.pack.index().known_entry(unit) else {
-            return Ok(Vec::new());
-        };
         let Tile { level, face, x, y } = self.pack.tile_of(unit);
         let what = format!("chunk of level {level}, face {face}, column {x}, row {y}");
-        check_crc(&what, chunk, entry.crc32c)?;
+        self.place(unit).known(&what)?.check(&what, chunk)?;
         let units = split_chunk(chunk, self.pack.frames_of(unit).len())?;
         Ok(units.iter().map(|unit| unit.len() as u32).collect())
     }
@@ -226,11 +223,13 @@ impl Content for Video {
         }
     }
 
-    fn is_lost(&self, unit: UnitId) -> bool {
-        self.has_lost(|lost| {
-            let page = || self.pack.index().numbers().page_of(unit);
-            !lost.pages.is_empty() && lost.pages.contains(&page())
-        })
+    fn place(&self, unit: UnitId) -> UnitPlace {
+        match self.pack.index().place(unit) {
+            UnitPlace::OnPage { page, .. } if self.has_lost(|lost| lost.pages.contains(&page)) => {
+                UnitPlace::Lost
+            }
+            place => place,
+        }
     }
 
     fn base(&self, frame: u32) -> Vec<UnitId> {
