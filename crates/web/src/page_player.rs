@@ -4,8 +4,10 @@
 
 use crate::headset_eye::EyeRequest;
 use crate::looking::Looking;
+use crate::opening::OpenPack;
 use crate::options::Options;
 use crate::pack_in_parts::PackInParts;
+use crate::stretches::Fetching;
 use foveal_core::content::asked::{Detail, next_target};
 use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
@@ -67,6 +69,8 @@ pub struct PagePlayer {
     screen_size: [u32; 2],
     screen: Screen,
     pub(crate) coarse: bool,
+    pub(crate) is_poster: bool,
+    pub(crate) fetching: Fetching,
     pub(crate) levels_shown: bool,
     /// What the eyes of a headset asked for last, and when.
     eyes: [Option<EyeView>; 2],
@@ -74,16 +78,9 @@ pub struct PagePlayer {
 }
 
 impl PagePlayer {
-    /// A session with a pack of which `head` is there, and `rest` as [`opening`](crate::opening)
-    /// asks for it; without a device the CPU twin draws.
-    pub fn new(
-        head: &[u8],
-        rest: &[u8],
-        options: &Options,
-        gpu: Option<Gpu>,
-    ) -> Result<Self, String> {
-        let pack = PackInParts::open(head, rest, &options.name, options.screen);
-        let pack = pack.map_err(|error| error.to_string())?;
+    /// A session with an open pack; without a device the CPU twin draws.
+    pub fn new(pack: &OpenPack, options: &Options, gpu: Option<Gpu>) -> Result<Self, String> {
+        let pack = PackInParts::new(pack, &options.name, options.screen);
         let device = gpu.map_or(DrawDevice::Twin, DrawDevice::Gpu);
         let drawer = pack.drawer(&device);
         let navigation = pack.navigation(options);
@@ -121,6 +118,8 @@ impl PagePlayer {
             screen_size: options.screen_size,
             screen: options.screen,
             coarse: options.coarse,
+            is_poster: options.poster,
+            fetching: Fetching::default(),
             levels_shown: false,
             eyes: [None; 2],
             asked: f64::NEG_INFINITY,
@@ -255,25 +254,6 @@ impl PagePlayer {
             None => SessionEvent::Damaged { piece, frames },
         };
         self.session.take(event);
-    }
-
-    /// Reads a chunk that [`Kind::Whole`](crate::Kind::Whole) asked for; says what is damaged of
-    /// it, and has taken nothing then.
-    pub fn deliver_whole(&mut self, unit: u32, chunk: &[u8]) -> Result<(), String> {
-        let payload = self.pack.payload(UnitId(unit), chunk);
-        let payload = payload.map_err(|error| error.to_string())?;
-        self.deliver(unit, 0, 1, Some(payload));
-        Ok(())
-    }
-
-    /// Takes a side table; the frames' times count from now on.
-    pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
-        if let Some(video) = self.pack.content.video() {
-            let added = video.add_table(name, bytes);
-            added.map_err(|error| error.to_string())?;
-            self.session.take(SessionEvent::TableLoaded);
-        }
-        Ok(())
     }
 
     /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up

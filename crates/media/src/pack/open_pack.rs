@@ -163,14 +163,8 @@ impl OpenPack {
     /// A side table, its checksum checked.
     pub(crate) fn read_table(&self, table: &TableEntry) -> Result<Vec<u8>, PackFileError> {
         let what = format!("side table {}", table.name);
-        let end = table.offset.checked_add(table.bytes);
-        if end.is_none_or(|end| end > self.header.file_bytes) {
-            return Err(self.format(PackError {
-                field: what,
-                found: format!("{}+{}", table.offset, table.bytes),
-                expected: format!("within {}", counted(self.header.file_bytes, "byte")),
-            }));
-        }
+        let range = table.range(self.header.file_bytes);
+        range.map_err(|source| self.format(source))?;
         let bytes = self.read(table.offset, table.bytes, &|| what.clone())?;
         let checked = check_crc(&what, &bytes, table.crc32c);
         checked
