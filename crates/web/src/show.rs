@@ -59,12 +59,8 @@ impl Pack {
 
     /// Takes a stretch of the file, as [`Show::arrived`]; refuses what is damaged.
     pub fn arrived(&mut self, offset: f64, bytes: &[u8]) -> Outcome<String> {
-        json(
-            &self
-                .opening
-                .arrived(offset as u64, bytes)
-                .map_err(refused)?,
-        )
+        let arrival = self.opening.arrived(offset as u64, bytes);
+        json(&arrival.map_err(refused)?)
     }
 
     /// Bytes of the file, once its header says so.
@@ -185,7 +181,8 @@ impl Show {
     /// Takes a stretch of the file that came, and says in JSON what there is to do for it: an
     /// `Arrival` of `web/src/engine/needs.ts`. Refuses once what is damaged for good.
     pub fn arrived(&mut self, offset: f64, bytes: &[u8]) -> Outcome<String> {
-        json(&self.player.arrived(offset as u64, bytes).map_err(refused)?)
+        let arrival = self.player.arrived(offset as u64, bytes);
+        json(&arrival.map_err(refused)?)
     }
 
     /// Whether side tables by which the policy chooses are still to come.
