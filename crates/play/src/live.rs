@@ -164,18 +164,10 @@ impl LivePlayer {
             match action {
                 SessionAction::Want(pieces) => self.feed.want(&pieces),
                 SessionAction::Log(lines) => log.push_str(&lines),
-                SessionAction::Count => self.count(),
+                SessionAction::Count => self.session.take(self.drawer.count()),
                 _ => {}
             }
         }
         Ok(Stepped { changed, log })
-    }
-
-    fn count(&mut self) {
-        let tiles = self.drawer.tiles_mut();
-        let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units) as u64;
-        let figures = &mut self.session.figures;
-        figures.wrong_frame_units += wrong;
-        figures.gpu_bytes = self.drawer.gpu_bytes();
     }
 }

@@ -152,7 +152,7 @@ impl Player {
     /// they stay as they are.
     #[must_use]
     pub fn through(mut self, panels: Vec<MountedPanel>) -> Self {
-        self.session.show_on(panels.clone());
+        self.session.take(SessionEvent::Mounted(panels.clone()));
         self.panels = panels;
         self
     }
@@ -221,7 +221,7 @@ impl Player {
 
     /// Makes `frame` the first to be played: what is spent counts from there.
     pub fn begin_at(&mut self, frame: u32) {
-        self.session.begin_at(self.time(frame));
+        self.session.take(SessionEvent::BeganAt(self.time(frame)));
     }
 
     /// The head of this run's session log.

@@ -133,7 +133,7 @@ impl ScenePlayer {
     /// The same, every moment of which is seen through panels that turn with its head.
     #[must_use]
     pub fn through(mut self, panels: Vec<MountedPanel>) -> Self {
-        self.session.show_on(panels);
+        self.session.take(SessionEvent::Mounted(panels));
         self
     }
 
@@ -236,9 +236,10 @@ impl ScenePlayer {
                 self.fetch(piece)?;
             }
         }
-        self.session.charge(page_bytes);
+        self.session
+            .take(SessionEvent::Charged { bytes: page_bytes });
         Ok(SceneReport {
-            units_by_level: self.session.figures.histogram.clone(),
+            units_by_level: self.session.figures().histogram.clone(),
             unit_bytes,
             new_units,
             page_bytes,
@@ -249,12 +250,16 @@ impl ScenePlayer {
 
     /// Gives the session what parts of the view units would refine.
     fn measure(&mut self, moment: &Moment) -> Result<(), PlayError> {
-        match &mut self.rendered {
-            Some(rendered) => self
-                .session
-                .see(AssetId::ONLY, rendered.footprints(moment)?),
-            None => self.drawer.measure_now(&mut self.session, moment)?,
-        }
+        let events = match &mut self.rendered {
+            Some(rendered) => vec![SessionEvent::Measured {
+                asset: AssetId::ONLY,
+                measured: rendered.measured(moment)?,
+            }],
+            None => self.drawer.measure_now(&self.session, moment)?,
+        };
+        events
+            .into_iter()
+            .for_each(|event| self.session.take(event));
         Ok(())
     }
 

@@ -18,8 +18,8 @@ pub(crate) fn leave_room(
     drawer: &mut Drawer,
     moment: &Moment,
 ) -> Result<(), PlayError> {
-    if let Some(bytes) = drawer.expect(&moment.views)? {
-        session.bound_gpu(bytes);
+    if let Some(room) = drawer.expect(&moment.views)? {
+        session.take(room);
     }
     Ok(())
 }
@@ -33,9 +33,11 @@ pub(crate) fn step(
     drawer: &mut Drawer,
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
     leave_room(session, drawer, &now.moment)?;
-    drawer.measure(session, &now.moment)?;
+    let measured = drawer.measure(session, &now.moment)?;
+    measured.into_iter().for_each(|event| session.take(event));
     let performed = drawer.perform(decide(session, now), cache, now)?;
     // What came is measured while the next picture is awaited.
-    drawer.measure(session, &now.moment)?;
+    let measured = drawer.measure(session, &now.moment)?;
+    measured.into_iter().for_each(|event| session.take(event));
     Ok(performed)
 }

@@ -13,8 +13,9 @@ use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::content::video::Video;
+use foveal_core::perception::footprints::{Footprints, Measured};
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, Now, SessionAction};
+use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
@@ -119,44 +120,55 @@ impl Drawer {
         })
     }
 
-    /// Gives a session what parts of the view units would refine, where it chooses by that: what
-    /// was measured since the last call. Begins to measure what is drawn now, where that is due.
+    /// What a session that chooses by it is to take of what parts of the view units would refine:
+    /// what was measured since the last call. Begins to measure what is drawn now, where that is
+    /// due.
     ///
     /// # Errors
     /// The device was lost, or binds no buffer for as many units.
-    pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
+    pub fn measure(
+        &mut self,
+        session: &Session,
+        moment: &Moment,
+    ) -> Result<Vec<SessionEvent>, RenderError> {
+        let (mut events, mut measuring) = (Vec::new(), None);
         if !session.needs_footprints() {
-            return Ok(());
+            return Ok(events);
         }
         let is_shown = session.shown_tick().is_some();
-        let mut expects = None;
         for (asset, scene) in self.scenes() {
-            if let Some(footprints) = scene.measured()? {
-                session.see(asset, footprints);
-            }
+            events.extend(scene.measured()?.map(|seen| measured(asset, seen)));
             if is_shown && scene.is_due(moment) {
                 scene.begin_measuring(moment)?;
             }
-            expects = Some(expects.unwrap_or(false) | scene.is_measuring());
+            measuring = Some(measuring.unwrap_or(false) | scene.is_measuring());
         }
-        if let Some(expects) = expects {
-            session.expect_footprints(expects);
-        }
-        Ok(())
+        events.extend(measuring.map(|is_under_way| SessionEvent::Measuring { is_under_way }));
+        Ok(events)
     }
 
-    /// Keeps room for the pictures of these views, and returns how many bytes units may use on the
-    /// GPU next to them; `None` where nothing is bounded.
+    /// What a session is to take of how much is in use, where it asks for that.
+    pub fn count(&mut self) -> SessionEvent {
+        let tiles = self.tiles_mut();
+        let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units);
+        SessionEvent::Counted {
+            gpu_bytes: self.gpu_bytes(),
+            wrong_frame_units: wrong as u64,
+        }
+    }
+
+    /// Keeps room for the pictures of these views; what a session is to take of how many bytes
+    /// units may use on the GPU next to them, and nothing where that is not bounded.
     ///
     /// # Errors
     /// The device was lost.
-    pub fn expect(&mut self, views: &[EyeView]) -> Result<Option<u64>, RenderError> {
+    pub fn expect(&mut self, views: &[EyeView]) -> Result<Option<SessionEvent>, RenderError> {
         let mut least = None;
         for (_, scene) in self.scenes() {
             let room = scene.expect(views)?;
             least = least.into_iter().chain(room).min();
         }
-        Ok(least)
+        Ok(least.map(|bytes| SessionEvent::GpuRoom { bytes }))
     }
 
     /// Makes a piece resident.
@@ -323,15 +335,19 @@ impl Drawer {
     /// The device was lost, or binds no buffer for as many units.
     pub fn measure_now(
         &mut self,
-        session: &mut Session,
+        session: &Session,
         moment: &Moment,
-    ) -> Result<(), RenderError> {
+    ) -> Result<Vec<SessionEvent>, RenderError> {
         let is_shown = session.needs_footprints() && session.shown_tick().is_some();
-        for (asset, scene) in self.scenes().filter(|_| is_shown) {
-            if scene.is_due(moment) {
-                session.see(asset, scene.footprints(moment)?);
-            }
-        }
-        Ok(())
+        let due = self
+            .scenes()
+            .filter(|(_, scene)| is_shown && scene.is_due(moment));
+        due.map(|(asset, scene)| Ok(measured(asset, scene.footprints(moment)?)))
+            .collect()
     }
+}
+
+fn measured(asset: AssetId, footprints: Footprints) -> SessionEvent {
+    let measured = Measured::Footprints(footprints);
+    SessionEvent::Measured { asset, measured }
 }

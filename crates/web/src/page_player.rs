@@ -24,7 +24,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::flight::Steering;
 use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Screen;
-use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError, TileDrawer};
+use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError};
 
 /// A log grows no longer than this, in bytes.
 const MOST_LOG: usize = 64 << 20;
@@ -166,7 +166,8 @@ impl PagePlayer {
     pub fn set_policy(&mut self, policy: Policy) -> Result<(), String> {
         let config = self.detail.of(policy);
         refuse_policy(&self.pack, &self.session, &config)?;
-        self.session.change_policy(config);
+        self.session
+            .take(SessionEvent::PolicyChosen(Box::new(config)));
         Ok(())
     }
 
@@ -186,7 +187,8 @@ impl PagePlayer {
         self.detail = detail;
         let config = detail.of(self.session.policy().policy);
         if self.session.can(&config) {
-            self.session.change_policy(config);
+            self.session
+                .take(SessionEvent::PolicyChosen(Box::new(config)));
         }
     }
 
@@ -205,7 +207,7 @@ impl PagePlayer {
         let other = (bytes_per_s / self.bytes_per_s - 1.0).abs() > 0.05;
         if bytes_per_s.is_finite() && bytes_per_s > 0.0 && other {
             self.bytes_per_s = bytes_per_s;
-            self.session.set_bytes_per_s(bytes_per_s);
+            self.session.take(SessionEvent::LinkRate { bytes_per_s });
         }
     }
 
@@ -312,15 +314,15 @@ impl PagePlayer {
         let pane = self.pane();
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
-        if let Some(bytes) = self.drawer.expect(&moment.views)? {
-            self.session.bound_gpu(bytes);
+        if let Some(room) = self.drawer.expect(&moment.views)? {
+            self.session.take(room);
         }
-        self.drawer.measure(&mut self.session, &moment)?;
+        self.measure(&moment)?;
         let step = self.viewer.now(&self.session, &moment, now);
         let actions = self.session.step(&step);
         let (mut changed, wants) = self.obey(actions, &step)?;
         // What came is measured while the next picture is awaited.
-        self.drawer.measure(&mut self.session, &moment)?;
+        self.measure(&moment)?;
         self.viewer.set_morphing(self.drawer.is_morphing());
         changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
         if changed && self.session.shown_tick().is_some() {
@@ -341,6 +343,15 @@ impl PagePlayer {
         Ok(told)
     }
 
+    /// Reports to the session what was measured of what is drawn.
+    fn measure(&mut self, moment: &Moment) -> Result<(), RenderError> {
+        let events = self.drawer.measure(&self.session, moment)?;
+        events
+            .into_iter()
+            .for_each(|event| self.session.take(event));
+        Ok(())
+    }
+
     /// Does what the session asks for; returns whether the picture changed, and whether other
     /// units are wanted.
     fn obey(
@@ -354,12 +365,7 @@ impl PagePlayer {
             match action {
                 SessionAction::Want(_) => wants = true,
                 SessionAction::Log(lines) => self.write(&lines),
-                SessionAction::Count => {
-                    let tiles = self.drawer.tiles_mut();
-                    let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units) as u64;
-                    self.session.figures.wrong_frame_units += wrong;
-                    self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
-                }
+                SessionAction::Count => self.session.take(self.drawer.count()),
                 _ => {}
             }
         }

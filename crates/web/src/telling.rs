@@ -9,7 +9,7 @@ use serde_json::json;
 impl PagePlayer {
     /// The part of the `Stats` of `web/src/engine/api.ts` that is known here, as JSON.
     pub fn stats(&self, now: Seconds) -> String {
-        let figures = &self.session.figures;
+        let figures = self.session.figures();
         let head = self.viewer.navigation.head();
         let timeline = self.session.timeline();
         let frame = self

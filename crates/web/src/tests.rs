@@ -203,10 +203,10 @@ fn a_still_view_settles_in_two_answers_and_a_zoomed_one_asks_only_for_what_is_ne
     let mut player = host.player(r#","paused":true,"log":true"#);
     assert!(settle(&host, &mut player, 0.0) <= 4);
     assert!(rows(&player).is_empty());
-    assert_eq!(player.session.figures.histogram[0], 160);
+    assert_eq!(player.session.figures().histogram[0], 160);
     player.step_frames(1, Seconds(1.0));
     settle(&host, &mut player, 1.0);
-    assert_eq!(player.session.figures.frames, 2);
+    assert_eq!(player.session.figures().frames, 2);
     assert!(player.log().lines().count() >= 3);
 }
 
@@ -218,8 +218,8 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     let finest = rows(&player).iter().map(|row| row.number).max().unwrap();
     video(&player).fail_page(finest);
     settle(&host, &mut player, 0.0);
-    assert_eq!(player.session.figures.histogram[0], 0);
-    assert!(player.session.figures.damaged_units > 0);
+    assert_eq!(player.session.figures().histogram[0], 0);
+    assert!(player.session.figures().damaged_units > 0);
 }
 
 #[test]

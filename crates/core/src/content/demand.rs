@@ -4,7 +4,7 @@ use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
-use crate::perception::footprints::Footprints;
+use crate::perception::footprints::Measured;
 use crate::perception::moment::Moment;
 use crate::units::Seconds;
 use crate::view::timeline::Timeline;
@@ -65,9 +65,9 @@ pub trait Demand: core::fmt::Debug + Send {
         Vec::new()
     }
 
-    /// From now on units refine these parts of the view.
-    fn see(&mut self, footprints: &Footprints) {
-        let _ = footprints;
+    /// From now on this is known of units by what was drawn.
+    fn see(&mut self, measured: &Measured) {
+        let _ = measured;
     }
 
     /// Looks at a frame and a moment, for buying.

@@ -8,6 +8,7 @@ pub mod log;
 pub mod log_of_parts;
 pub mod media_clock;
 mod policy_run;
+mod recorded;
 pub mod scripted;
 #[allow(
     clippy::module_inception,

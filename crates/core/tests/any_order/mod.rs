@@ -215,11 +215,12 @@ impl World {
         }
         if self.chance(0.05) {
             let policy = self.policies[self.below(self.policies.len() as f64) as usize];
-            self.session.change_policy(PolicyConfig::new(policy));
+            let config = Box::new(PolicyConfig::new(policy));
+            self.session.take(SessionEvent::PolicyChosen(config));
         }
         if self.chance(0.05) {
             self.media = self.below(3.0);
-            self.session.jump();
+            self.session.take(SessionEvent::Jumped);
         }
         if self.chance(0.07) {
             self.plays = !self.plays;
@@ -352,7 +353,7 @@ impl World {
         }
         self.under_way.clear();
         self.plays = false;
-        self.session.jump();
+        self.session.take(SessionEvent::Jumped);
         for _ in 0..PATIENCE {
             self.now += 0.05;
             self.step(Pace::Standing);

@@ -83,8 +83,8 @@ fn a_page_shows_a_scene_whose_objects_lie_in_a_table() {
     let [plain, of_table] = &mut players;
     assert_eq!(play(&file, plain, 0.0), play(&tabled, of_table, 0.0));
     assert_eq!(
-        plain.session.figures.histogram,
-        of_table.session.figures.histogram
+        plain.session.figures().histogram,
+        of_table.session.figures().histogram
     );
     let (head, mut rest) = beginning(&tabled);
     let last = rest.len() - 1;
@@ -103,15 +103,15 @@ fn a_scene_asks_for_its_roots_first_and_settles_on_what_is_seen() {
     let first = rows(&player);
     assert_eq!(first[..2].iter().map(|it| it.level).min(), Some(3), "roots");
     let units = play(&file, &mut player, 0.0);
-    assert!(units > 2 && player.session.figures.damaged_units == 0);
-    let before = player.session.figures.histogram.clone();
+    assert!(units > 2 && player.session.figures().damaged_units == 0);
+    let before = player.session.figures().histogram.clone();
     player
         .viewer
         .navigation
         .zoom_by(3.0, [0.0; 2], &player.pane());
     play(&file, &mut player, 9.0);
     assert!(rows(&player).is_empty());
-    let after = &player.session.figures.histogram;
+    let after = &player.session.figures().histogram;
     assert!(after[0] > before[0], "{before:?} then {after:?}");
 }
 
@@ -150,7 +150,7 @@ fn a_damaged_unit_is_counted_and_the_coarser_one_stays() {
     let refused = player.deliver_whole(last.0, &file[entry.offset as usize..][..4]);
     assert!(refused.unwrap_err().contains("CRC32C"));
     play(&file, &mut player, 0.0);
-    assert_eq!(player.session.figures.damaged_units, 1);
+    assert_eq!(player.session.figures().damaged_units, 1);
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     let host = host();
     let mut player = demo(&host, "perceptual", "");
     let now = look(&host, &mut player, 0.0);
-    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(player.session.figures().histogram[..2].iter().sum::<u32>() > 0);
     let before = stats(&player);
     assert_eq!(before["policy"], "perceptual");
     assert_eq!(before["target"], 9.5);
@@ -126,7 +126,7 @@ fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
     let name = SIGNATURES.to_owned();
     video(&player).fail_table(&name);
     settle(&host, &mut player, 9.0);
-    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(player.session.figures().histogram[..2].iter().sum::<u32>() > 0);
 }
 
 #[test]

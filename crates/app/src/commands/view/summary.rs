@@ -36,7 +36,7 @@ pub(crate) struct Summary {
 
 impl Summary {
     pub(crate) fn new(player: &WindowPlayer) -> Self {
-        let figures = &player.live.session().figures;
+        let figures = player.live.session().figures();
         let drift = player.drift.worst_and_p95_ms();
         Self {
             frames: figures.frames,

@@ -58,7 +58,7 @@ impl WindowPlayer {
 
     fn lines_of_scene(&self, now: Seconds) -> Vec<Line> {
         let session = self.live.session();
-        let (figures, config) = (&session.figures, session.policy_in_use());
+        let (figures, config) = (session.figures(), session.policy_in_use());
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let all = self.live.opened().content().finest_samples();
         let told = [
@@ -87,8 +87,8 @@ impl WindowPlayer {
     }
 
     fn lines_of_video(&self, now: Seconds) -> Vec<Line> {
-        let [fps, upload] = self.live.session().figures.rates(now);
-        let figures = &self.live.session().figures;
+        let [fps, upload] = self.live.session().figures().rates(now);
+        let figures = self.live.session().figures();
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
@@ -175,7 +175,7 @@ impl WindowPlayer {
 
     /// What went wrong and was carried on from.
     fn carried_on(&self) -> [Line; 4] {
-        let figures = &self.live.session().figures;
+        let figures = self.live.session().figures();
         let line = |what: &str, value: String| (what.to_owned(), value);
         [
             line(

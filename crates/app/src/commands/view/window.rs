@@ -14,6 +14,7 @@ use crate::commands::view::summary::Summary;
 use crate::commands::view::window::panes::PanePart;
 use crate::commands::view::window_player::{Begin, WindowPlayer, Wish};
 use anyhow::{Context, anyhow, bail};
+use foveal_core::session::actions::SessionEvent;
 use foveal_core::session::session::SessionSettings;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
@@ -316,7 +317,9 @@ impl Open {
         if self.screen.is_lost() {
             self.recover(instance, proxy)?;
         }
-        self.player.live.session_mut().figures.gpu_errors += self.screen.take_errors();
+        let count = self.screen.take_errors();
+        let session = self.player.live.session_mut();
+        session.take(SessionEvent::GpuErrors { count });
         loop {
             if let Some(pane) = self.pane().filter(|_| !self.hidden)
                 && self.player.step(&pane, now)?

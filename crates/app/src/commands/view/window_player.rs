@@ -17,6 +17,7 @@ use anyhow::bail;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
+use foveal_core::session::actions::SessionEvent;
 use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
@@ -126,7 +127,8 @@ impl WindowPlayer {
         };
         if let Some(panes) = &player.panes {
             let panels = panes.mounted().to_vec();
-            player.live.session_mut().show_on(panels);
+            let session = player.live.session_mut();
+            session.take(SessionEvent::Mounted(panels));
         }
         player.viewer.begin(now);
         if !begin.paused {

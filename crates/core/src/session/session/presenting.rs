@@ -1,11 +1,16 @@
 //! When is a frame shown, with what, and what is evicted then?
 
-use super::{MOST_LEAD_S, PATIENCE_S, Session, Staged};
+use super::{Session, Staged};
 use crate::content::unit::{AssetId, UnitRef};
 use crate::session::actions::{Now, Pace, SessionAction};
 use crate::session::figures::FrameOutcome;
 use crate::session::unit_states::{Piece, UnitState};
 use std::collections::HashSet;
+
+/// How long a paused picture may stay as it is before the next one is shown unfinished.
+const PATIENCE_S: f64 = 0.25;
+/// Longest time that a frame is begun ahead of its own.
+const MOST_LEAD_S: f64 = 1.0;
 
 impl Session {
     pub(super) fn is_due(&self, now: &Now) -> bool {
@@ -118,6 +123,25 @@ impl Session {
         let kept = kept.into_iter().map(|piece| piece.unit).collect();
         self.uncounted = true;
         self.actions.push(SessionAction::Keep(kept));
+    }
+
+    /// Evicts what is not wanted any more once all that is wanted is there.
+    pub(super) fn settle(&mut self, now: &Now) {
+        let Some(shown) = &mut self.shown else {
+            return;
+        };
+        if shown.complete.is_none() && shown.is_whole(&self.states) {
+            shown.complete = Some(now.wall.0);
+        }
+        let coming = self.coming.as_ref();
+        let is_awaited = |piece: &Piece| coming.is_some_and(|it| it.shows.contains(piece));
+        let stale = |piece: &Piece| !shown.shows.contains(piece) && !is_awaited(piece);
+        if shown.complete.is_some() && self.states.resident().iter().any(stale) {
+            self.evict_others();
+        }
+        if self.uncounted {
+            self.count();
+        }
     }
 
     /// Begins frames earlier when they come after their time, though no earlier than they are on

@@ -167,7 +167,7 @@ impl Trial {
                 self.cache.insert(piece);
                 SessionEvent::Decoded { piece, frames: 1 }
             };
-            self.session.take(event);
+            self.session.take(event.clone());
             if self.twice {
                 self.session.take(event);
             }
