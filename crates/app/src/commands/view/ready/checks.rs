@@ -10,7 +10,7 @@ use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::content::opened::Opened;
-use foveal_core::content::policy::Policy;
+use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::units::counted;
 use foveal_media::pack::pack::Pack;
 
@@ -82,11 +82,12 @@ pub(super) fn check(args: &ViewArgs, opened: &Opened) -> anyhow::Result<()> {
             }
             check_thresholds(&config, video.grid())
         }
-        Opened::Scene(_) => check_scene(args, opened, config.policy),
+        Opened::Scene(_) => check_scene(args, opened, &config),
     }
 }
 
-fn check_scene(args: &ViewArgs, opened: &Opened, policy: Policy) -> anyhow::Result<()> {
+fn check_scene(args: &ViewArgs, opened: &Opened, config: &PolicyConfig) -> anyhow::Result<()> {
+    let policy = config.policy;
     if let Some(why) = opened.why_not(policy) {
         let able = Policy::IN_TURN
             .into_iter()
@@ -99,6 +100,13 @@ fn check_scene(args: &ViewArgs, opened: &Opened, policy: Policy) -> anyhow::Resu
         )));
     }
     args.policy.refuse_score_of_scene(policy)?;
+    if config.importance == ImportanceSource::Rendered {
+        bail!(WrongUsage(
+            "--importance rendered: a window does not draw every level for each choice; leave it \
+             out, or take simulate"
+                .to_owned()
+        ));
+    }
     let style = args.showing.showing(InterpolationName::Blended);
     let of_tiles = [
         (style.has_textures, "--reconstruction textures"),
