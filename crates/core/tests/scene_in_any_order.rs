@@ -7,7 +7,7 @@ use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::{SceneDemand, why_not};
 use foveal_core::content::scene::description::{
-    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource, Shape,
 };
 use foveal_core::content::scene::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;
@@ -75,7 +75,9 @@ fn scene() -> Arc<Scene> {
         source: SceneSource::default(),
         objects: vec![SceneObject {
             name: "row".to_owned(),
-            leaf_triangles: 65536,
+            shape: Shape::Mesh {
+                leaf_triangles: 65536,
+            },
             bounds: ObjectBounds {
                 centre: [0.0; 3],
                 radius: 4.0,
@@ -90,7 +92,6 @@ fn scene() -> Arc<Scene> {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
-            points: None,
             placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -6.0]],
             texturing: None,
         }],

@@ -4,7 +4,7 @@ use crate::scene_player::{ScenePlayer, ScenePlayerOptions};
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::description::{
-    Grid, KIND, ObjectBounds, SceneDescription, SceneObject,
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, Shape,
 };
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::part_ref::PartRef;
@@ -71,7 +71,7 @@ fn roof() -> Vec<u8> {
 fn about() -> SceneDescription {
     let object = SceneObject {
         name: "roof".to_owned(),
-        leaf_triangles: 4,
+        shape: Shape::Mesh { leaf_triangles: 4 },
         bounds: ObjectBounds {
             centre: [0.5, 0.5, 0.0],
             radius: 1.0,
@@ -87,7 +87,6 @@ fn about() -> SceneDescription {
         two_sided: false,
         unlit: false,
         texturing: None,
-        points: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
     };
     SceneDescription {

@@ -1,11 +1,11 @@
 //! How is an asset drawn, whatever kind of content it is?
 
 use crate::draw_device::{DrawDevice, DrawnPicture};
+use crate::drawn_scene::DrawnScene;
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::Overlay;
-use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::TileDrawer;
 use crate::under::Under;
 use foveal_core::content::payload::Payload;

@@ -2,12 +2,11 @@
 
 use crate::asset_drawer::AssetDrawer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
+use crate::drawn_scene::DrawnScene;
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::kinds::moves;
 use crate::params::Overlay;
-use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
@@ -215,9 +214,9 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        let moves = moves(payload.view());
+                        let morphs = payload.view().morphs();
                         match self.upload(piece, payload) {
-                            Ok(()) => came.extend(moves.then_some(piece.unit)),
+                            Ok(()) => came.extend(morphs.then_some(piece.unit)),
                             // What is damaged so that it does not fit is left coarse.
                             Err(error) if error.is_of_unit() => self.refused += 1,
                             Err(other) => return Err(other),

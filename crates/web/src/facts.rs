@@ -5,6 +5,7 @@ use foveal_core::content::demand::Content;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::sound::SOUND;
 use foveal_core::pack::{HEADER_BYTES, Header, PackError};
@@ -33,17 +34,23 @@ pub fn opening(head: &[u8]) -> Result<Vec<f64>, String> {
 pub fn about(head: &[u8]) -> Result<String, String> {
     let told = |error: PackError| error.to_string();
     let (header, read) = Head::read(head).map_err(told)?;
-    let facts = match read {
+    let mut facts = match &read {
         Head::Video(_) => {
             let pack = PackInParts::open(head, &[], "", Screen::default()).map_err(told)?;
             let has_sound = pack.table_place(SOUND).is_some();
-            pack.content
-                .video()
-                .map(|video| about_video(video, has_sound))
+            let video = pack.content.video();
+            video.map(|video| about_video(video, has_sound))
         }
-        Head::Scene(about) => Some(about_scene(&about)),
-    };
-    let mut facts = facts.unwrap_or_default();
+        Head::Scene(about) => Some(about_scene(about)),
+    }
+    .unwrap_or_default();
+    for kind in UnitKind::shapes() {
+        let count = match &read {
+            Head::Video(_) => 0,
+            Head::Scene(about) => about.samples_of(kind),
+        };
+        facts[kind.facts().samples()] = count.into();
+    }
     facts["bytes"] = header.file_bytes.into();
     Ok(facts.to_string())
 }
@@ -70,8 +77,6 @@ fn about_video(video: &Video, has_sound: bool) -> Value {
         "hasSound": has_sound,
         "name": about.source.name,
         "policies": policies,
-        "triangles": 0,
-        "points": 0,
         "fullRange": about.colour.full_range,
     })
 }
@@ -92,8 +97,6 @@ fn about_scene(about: &SceneDescription) -> Value {
         "hasSound": false,
         "name": about.source.names.join(", "),
         "policies": policies,
-        "triangles": about.triangles(),
-        "points": about.points(),
     })
 }
 
@@ -111,6 +114,13 @@ mod tests {
     fn listed<'a>(text: &'a str, begin: &str) -> Vec<&'a str> {
         let list = text.split_once(begin).unwrap().1.split_once(']').unwrap().0;
         list.split('"').skip(1).step_by(2).collect()
+    }
+
+    #[test]
+    fn the_page_lists_what_scenes_consist_of() {
+        let api = include_str!("../../../web/src/engine/api.ts");
+        let samples: Vec<String> = UnitKind::shapes().map(|it| it.facts().samples()).collect();
+        assert_eq!(listed(api, "SAMPLES = ["), samples);
     }
 
     #[test]

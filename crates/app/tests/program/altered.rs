@@ -4,7 +4,7 @@
 
 use crate::support::{Folder, foveal, json_of};
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource};
+use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource, Shape};
 use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::part_ref::PartRef;
@@ -223,7 +223,7 @@ fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
         6 => object.attributes.normals ^= true,
         7 => object.attributes.colours ^= true,
         8 => {
-            if let Some(cloud) = &mut object.points {
+            if let Shape::Cloud(cloud) = &mut object.shape {
                 match dice.below(4) {
                     0 => cloud.scale[dice.below(3)] = number,
                     1 => cloud.least[dice.below(3)] = number as i64 >> 11,

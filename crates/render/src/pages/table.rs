@@ -6,6 +6,7 @@
 
 use crate::error::RenderError;
 use crate::pages::tail::{place_in_tail, tail_of};
+use crate::scene::placements::OnTextures;
 use foveal_core::content::images::payload::ImagePage;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{BORDER, PagePlace, TextureShape};
@@ -98,9 +99,29 @@ impl PageTable {
         std::mem::replace(&mut self.changed, self.words.len()..0)
     }
 
-    /// Where the list of textures of an object begins.
-    pub(crate) fn list_of(&self, object: usize) -> u32 {
-        self.lists[object]
+    /// How the vertices of an object, the one of this number, lie on textures.
+    pub(crate) fn place_of(&self, number: usize, object: &SceneObject) -> OnTextures {
+        OnTextures {
+            uv_from_grid: self.uv_from_grid(object),
+            textures: self.lists[number],
+        }
+    }
+
+    /// How places on the grid of an object's textures become those on textures. What repeats begins
+    /// near 0, where single precision holds more.
+    fn uv_from_grid(&self, object: &SceneObject) -> [f32; 4] {
+        let Some(texturing) = &object.texturing else {
+            return [0.0; 4];
+        };
+        let mut textures = texturing.textures.iter().filter_map(|it| self.texture(*it));
+        let clamps = textures.any(|it| it.wrap.contains(&Wrap::Clamp));
+        let [u, v] = texturing.origin.map(|it| match clamps {
+            true => it,
+            // Mirrors repeat every second time.
+            false => it.rem_euclid(2.0),
+        });
+        let [across, along] = texturing.step;
+        [u, v, across, along].map(|it| it as f32)
     }
 
     /// A texture.

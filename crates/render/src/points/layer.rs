@@ -8,9 +8,10 @@ use crate::gpu::room::TakenBytes;
 use crate::points::cubes::{StandingCube, standing};
 use crate::points::memory::{BLOCK, PointMemory, placed_bytes};
 use crate::points::params::{CloudViewParams, CubeParams};
-use crate::points::pass::PointPass;
+use crate::points::pass::point_pass;
 use crate::points::units::CloudUnits;
 use crate::scene::coming::{Coming, Refiners};
+use crate::scene::corner_pass::CornerPass;
 use crate::scene::kind::{Frame, KindLayer};
 use crate::scene::params::SceneStyle;
 use crate::scene::phase::{Go, Phase};
@@ -42,8 +43,8 @@ pub(crate) struct PointLayer {
     shown: wgpu::Buffer,
     /// Blocks that the last picture was drawn of.
     count: u32,
-    colours: PointPass,
-    refiners: Option<PointPass>,
+    colours: CornerPass,
+    refiners: Option<CornerPass>,
     /// What the last picture was drawn with.
     bound: Option<wgpu::BindGroup>,
 }
@@ -67,7 +68,7 @@ impl PointLayer {
             seen_cubes: storage(gpu, "cubes of points", size_of::<CubeParams>() as u64)?,
             shown: storage(gpu, "blocks of points", ENTRY_BYTES)?,
             count: 0,
-            colours: PointPass::new(gpu, Phase::Opaque),
+            colours: point_pass(gpu, Phase::Opaque),
             refiners: None,
             bound: None,
         })
@@ -104,7 +105,7 @@ impl PointLayer {
     }
 
     /// What draws a phase, where there is anything to draw in it.
-    fn pass(&self, phase: Phase) -> Option<&PointPass> {
+    fn pass(&self, phase: Phase) -> Option<&CornerPass> {
         match phase {
             Phase::Opaque => Some(&self.colours),
             Phase::Transparent => None,
@@ -123,7 +124,7 @@ impl PointLayer {
             &self.view,
         ];
         let pass = self.pass(frame.phase)?;
-        Some(pass.bind(&self.gpu, buffers))
+        Some(pass.bind(&self.gpu, &buffers))
     }
 }
 
@@ -207,7 +208,7 @@ impl KindLayer for PointLayer {
             self.cubes = standing(&self.units, &self.objects);
         }
         if frame.phase == Phase::Ids && self.refiners.is_none() {
-            self.refiners = Some(PointPass::new(&self.gpu, Phase::Ids));
+            self.refiners = Some(point_pass(&self.gpu, Phase::Ids));
         }
         let (view, gpu) = (frame.view, &self.gpu);
         let params = CloudViewParams {

@@ -8,8 +8,8 @@ use crate::gpu::device::Gpu;
 use crate::gpu::pool::Pool;
 use crate::gpu::room::TakenBytes;
 use crate::points::units::CloudUnits;
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::{PlacedPoints, ShownPoint};
-use foveal_core::content::scene::description::Cloud;
 use foveal_core::pack::unit::UnitId;
 use std::collections::BTreeMap;
 

@@ -2,9 +2,10 @@
 
 use crate::error::RenderError;
 use crate::scene::coming::{Coming, Refiners};
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::{PlacedPoints, PointCut};
 use foveal_core::content::points::payload::PointUnit;
-use foveal_core::content::scene::description::{Cloud, SceneObject};
+use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -32,7 +33,7 @@ impl CloudUnits {
     /// No unit of these objects.
     pub(crate) fn new(objects: &[SceneObject]) -> Self {
         Self {
-            clouds: objects.iter().map(|it| it.points).collect(),
+            clouds: objects.iter().map(|it| it.shape.cloud().copied()).collect(),
             ..Self::default()
         }
     }

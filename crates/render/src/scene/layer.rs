@@ -61,7 +61,7 @@ impl SceneLayer {
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.
-    pub(crate) fn of_layers(
+    pub fn of_layers(
         gpu: &Gpu,
         layers: Vec<Box<dyn KindLayer>>,
         placements: Arc<Placements>,

@@ -2,8 +2,8 @@
 
 use crate::report::output;
 use crate::report::remarks::remarks_told;
-use foveal_core::content::scene::description::JoinedParts;
-use foveal_core::content::scene::kind::UnitKind;
+use foveal_core::content::scene::description::{JoinedParts, SceneDescription};
+use foveal_core::content::scene::kind::{KindFacts, UnitKind};
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::{counted, one_line};
 use foveal_media::pack::scene_file::SceneFile;
@@ -27,9 +27,8 @@ pub(crate) struct SceneInfo {
     /// Bytes of units, finest level first.
     bytes_per_level: Vec<u64>,
     bytes_by_kind: BytesByKind,
-    leaf_triangles: u64,
-    points: u64,
-    texels: u64,
+    #[serde(flatten)]
+    leaves: Leaves,
     /// Bytes of units a triangle or point of the finest level, and with index and table.
     bytes_per_leaf: f64,
     bytes_per_leaf_with_tables: f64,
@@ -80,11 +79,39 @@ impl Serialize for BytesByKind {
     }
 }
 
-/// Texels of the finest level of all textures.
-fn texels(file: &SceneFile) -> u64 {
-    let textures = file.pack().description().textures.iter();
-    let texels = textures.map(|it| it.size.map(u64::from).iter().product::<u64>());
-    texels.sum()
+/// Samples of the finest level, by what they are of: first what stands in space.
+#[derive(Clone, Debug)]
+struct Leaves(Vec<(&'static KindFacts, u64)>);
+
+impl Leaves {
+    fn of(about: &SceneDescription) -> Self {
+        let count = |kind: UnitKind| (kind.facts(), about.finest_samples_of(kind));
+        let (mut shapes, others): (Vec<_>, Vec<_>) = UnitKind::ALL
+            .map(count)
+            .into_iter()
+            .partition(|(facts, _)| facts.is_shape);
+        shapes.extend(others);
+        Self(shapes)
+    }
+
+    /// Those of what stands in space, or of what lies on it, of which there are some.
+    fn there(&self, are_shapes: bool) -> impl Iterator<Item = (&'static KindFacts, u64)> {
+        let all = self.0.iter().copied();
+        all.filter(move |(facts, count)| facts.is_shape == are_shapes && *count > 0)
+    }
+
+    /// The same as text.
+    fn text(&self, are_shapes: bool) -> String {
+        let there = self.there(are_shapes);
+        let told: Vec<String> = there.map(|(it, count)| counted(count, it.sample)).collect();
+        told.join(", ")
+    }
+}
+
+impl Serialize for Leaves {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(facts, count)| (facts.leaves, count)))
+    }
 }
 
 impl SceneInfo {
@@ -101,12 +128,10 @@ impl SceneInfo {
         let bytes_per_level = pack.index().bytes_per_level();
         let bytes_by_kind = BytesByKind::of(file, pack.units());
         let tables: u64 = about.tables.iter().map(|it| it.bytes).sum();
-        let leaf_triangles = about.objects.iter().map(|it| it.leaf_triangles).sum();
-        let points = about.objects.iter().filter_map(|it| it.points);
-        let points = points.map(|it| it.count).sum();
-        let leaves: u64 = leaf_triangles + points;
+        let leaves = Leaves::of(about);
+        let all: u64 = leaves.there(true).map(|(_, count)| count).sum();
         let bytes = bytes_by_kind.of_shapes(true);
-        let per_leaf = |bytes: u64| bytes as f64 / leaves.max(1) as f64;
+        let per_leaf = |bytes: u64| bytes as f64 / all.max(1) as f64;
         Self {
             kind: "scene",
             objects: about.objects.len() + more(objects),
@@ -118,9 +143,7 @@ impl SceneInfo {
             bytes: file.bytes(),
             bytes_per_level,
             bytes_by_kind,
-            leaf_triangles,
-            points,
-            texels: texels(file),
+            leaves,
             bytes_per_leaf: per_leaf(bytes),
             bytes_per_leaf_with_tables: per_leaf(bytes + tables + file.header().index_bytes),
             repairs: about.repairs.clone(),
@@ -135,43 +158,29 @@ impl SceneInfo {
         }
     }
 
-    /// Its triangles and points, of what there is.
-    fn samples_text(&self) -> String {
-        let all = [(self.leaf_triangles, "triangle"), (self.points, "point")];
-        let there = all.into_iter().filter(|(count, _)| *count > 0);
-        let told: Vec<String> = there.map(|(count, what)| counted(count, what)).collect();
-        told.join(", ")
-    }
-
     pub(crate) fn text(&self) -> String {
+        let first = self.leaves.there(true).next();
         let mut text = format!(
             "{}: {}, {}, {} of {} from {}\n{}, {:.2} bytes a {}, {:.2} with index and table\n",
             one_line(&self.source.join(", ")),
             counted(self.objects, "object"),
-            self.samples_text(),
+            self.leaves.text(true),
             counted(self.levels, "level"),
             output::size(self.bytes),
             output::size(self.source_bytes),
             counted(self.units, "unit"),
             self.bytes_per_leaf,
-            if self.leaf_triangles > 0 {
-                "triangle"
-            } else {
-                "point"
-            },
+            first.map_or("sample", |(facts, _)| facts.sample),
             self.bytes_per_leaf_with_tables,
         );
         if self.bundles > 0 {
             let joined = counted(self.joined_objects, "small object");
             let _ = writeln!(text, "{joined} joined to {}", self.bundles);
         }
-        if self.texels > 0 {
+        let lying = self.leaves.text(false);
+        if !lying.is_empty() {
             let size = output::size(self.bytes_by_kind.of_shapes(false));
-            let _ = writeln!(
-                text,
-                "{} in textures, {size}",
-                counted(self.texels, "texel")
-            );
+            let _ = writeln!(text, "{lying} in textures, {size}");
         }
         // Nothing is 0, and not -0.
         let [x, y, z] = self.centre.map(|it| (it * 1e4).round() / 1e4 + 0.0);

@@ -5,7 +5,7 @@
 
 use super::cloud_point::wrong;
 use super::payload::{CloudPoint, Correction, PointUnit, octant_of};
-use crate::content::scene::description::Cloud;
+use crate::content::points::cloud::Cloud;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashSet};

@@ -3,9 +3,9 @@
 use super::super::{BuildOptions, Built, build};
 use crate::generate::{cloud_of_torus, noisy_plane};
 use crate::source::{SourceCloud, SourceScene};
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::PointCut;
 use foveal_core::content::points::payload::{CloudPoint, MOST_POINTS, PointUnit};
-use foveal_core::content::scene::description::Cloud;
 use foveal_core::pack::unit::UnitId;
 use glam::DAffine3;
 
@@ -30,7 +30,10 @@ fn built(cloud: &SourceCloud) -> Built {
 
 fn parsed(built: &Built, unit: usize) -> (PointUnit, Cloud) {
     let unit = &built.units[unit];
-    let cloud = built.objects[usize::from(unit.row.object)].points.unwrap();
+    let cloud = *built.objects[usize::from(unit.row.object)]
+        .shape
+        .cloud()
+        .unwrap();
     (
         PointUnit::parse(&unit.payload, cloud.attributes).unwrap(),
         cloud,
@@ -111,10 +114,7 @@ fn all_units_together_are_the_file_bit_for_bit() {
     ] {
         let built = built(&cloud);
         assert!(points_of(&built, 0) == points_of_file(&cloud));
-        assert_eq!(
-            built.objects[0].points.unwrap().count,
-            cloud.places.len() as u64
-        );
+        assert_eq!(built.objects[0].shape.samples(), cloud.places.len() as u64);
     }
 }
 

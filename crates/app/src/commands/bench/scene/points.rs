@@ -85,7 +85,7 @@ fn of_file(cloud: &SourceCloud) -> Vec<CloudPoint> {
 fn bytes(subject: &Subject, packed: &[LazWhole]) -> anyhow::Result<BenchRow> {
     let (mut ours, mut points) = (0.0, 0.0);
     for unit in subject.file.pack().units() {
-        if subject.file.scene().object_of(unit).points.is_some() {
+        if subject.file.scene().object_of(unit).shape.cloud().is_some() {
             ours += f64::from(subject.file.pack().entry(unit).bytes);
             points += f64::from(subject.file.pack().row(unit).samples);
         }
@@ -108,7 +108,7 @@ fn decoding(
 ) -> anyhow::Result<BenchRow> {
     let mut units = Vec::new();
     for unit in subject.file.pack().units() {
-        if let Some(cloud) = subject.file.scene().object_of(unit).points {
+        if let Some(cloud) = subject.file.scene().object_of(unit).shape.cloud() {
             units.push((subject.file.read_chunk(unit)?, cloud.attributes));
         }
     }

@@ -6,9 +6,9 @@ use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::params::Overlay;
 use crate::scene::coming::Coming;
-use crate::scene::drawer::SceneDrawer;
 use crate::scene::morphs::Morphs;
 use crate::scene::params::SceneStyle;
+use crate::scene_drawer::SceneDrawer;
 use crate::under::Under;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
@@ -67,7 +67,7 @@ impl DrawnScene {
     /// # Errors
     /// It is not what it should be, or the device was lost.
     pub(crate) fn upload(&mut self, unit: UnitId, payload: &Payload) -> Result<bool, RenderError> {
-        if matches!(payload, Payload::Picture(_)) {
+        if payload.view().kind().is_none() {
             return Err(RenderError::OtherKind);
         }
         let row = self.scene.pack().row(unit);

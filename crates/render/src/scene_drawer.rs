@@ -4,7 +4,6 @@ use crate::draw_device::{DrawDevice, DrawnPicture};
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::kinds::moves;
 use crate::scene::coming::{Coming, Refiners};
 use crate::scene::layer::SceneLayer;
 use crate::scene::measuring::Measuring;
@@ -69,7 +68,7 @@ impl SceneDrawer {
     /// # Errors
     /// It does not fit to what is there or into the GPU's memory: nothing changed then.
     pub fn upload(&mut self, coming: &Coming<'_>) -> Result<bool, RenderError> {
-        if moves(coming.says) {
+        if coming.says.morphs() {
             self.measuring.forget();
         }
         match &mut self.engine {

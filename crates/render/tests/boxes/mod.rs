@@ -1,0 +1,149 @@
+//! Can a kind be added from outside, drawn in front of a video and chosen within one budget?
+
+mod layer;
+
+use crate::looking::looking;
+use crate::made_video::Made;
+use crate::octree_boxes::{Boxes, place_of};
+use foveal_core::content::demand::Content;
+use foveal_core::content::payload::{OtherPayload, Payload};
+use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::unit::AssetId;
+use foveal_core::session::actions::{Cache, Pace, SessionAction, SessionEvent};
+use foveal_core::session::bounds::Bounds;
+use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::unit_states::Piece;
+use foveal_core::view::picture::Picture;
+use foveal_core::view::surface::Projection;
+use foveal_render::scene::placements::Placements;
+use foveal_render::{
+    Coming, DrawDevice, Drawer, Gpu, RgbaImage, SceneLayer, SceneStyle, TileStyle,
+};
+use layer::{BoxLayer, BoxUnit};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+const SIDE: u32 = 160;
+const STEP_S: f64 = 0.1;
+/// The first asset is the video.
+const BOXES: AssetId = AssetId(1);
+
+/// The colour of a box: the finer the redder.
+fn colour(number: u32) -> [u8; 4] {
+    let level = place_of(number).0;
+    [250 - 50 * level, 40 + 50 * level, 0, 255]
+}
+
+/// Uploads and evicts boxes as a session says; the actions that are left are the video's.
+fn perform(
+    layer: &mut SceneLayer,
+    actions: Vec<SessionAction>,
+    cache: &mut Cache<Payload>,
+) -> Vec<SessionAction> {
+    let mut left = Vec::new();
+    for action in actions {
+        match action {
+            SessionAction::Upload(piece) if piece.unit.asset == BOXES => {
+                let payload = cache.take(piece).unwrap();
+                let unit = piece.unit.unit;
+                let coming = Coming {
+                    unit,
+                    object: 0,
+                    level: place_of(unit.0).0,
+                    needs: &[],
+                    part: None,
+                    says: payload.view(),
+                };
+                assert!(layer.upload(&coming).unwrap());
+                continue;
+            }
+            SessionAction::Keep(ref units) => {
+                let boxes = units.iter().filter(|it| it.asset == BOXES);
+                layer.retain(&boxes.map(|it| it.unit).collect());
+            }
+            _ => {}
+        }
+        left.push(action);
+    }
+    left
+}
+
+/// What was fetched of each asset, beyond its coarsest level, and the pictures at the end: of both,
+/// and of the video alone.
+fn played(gpu: &Gpu, bytes_per_s: f64) -> ([u64; 2], [RgbaImage; 2]) {
+    let video = Made::new(Projection::Flat, [256, 256], 64).build().unwrap();
+    let contents: [Arc<dyn Content>; 2] = [Arc::clone(&video) as _, Arc::new(Boxes::default())];
+    let settings = SessionSettings {
+        policy: PolicyConfig::new(Policy::Perceptual),
+        bytes_per_s: Some(bytes_per_s),
+        since: None,
+        zooms: false,
+        measures: false,
+        bounds: Bounds::default(),
+    };
+    let mut session = Session::new(contents.to_vec(), settings);
+    let device = DrawDevice::Gpu(gpu.clone());
+    let mut drawer = Drawer::new(&device, &video, TileStyle::default()).unwrap();
+    let nowhere = Arc::new(Placements::new(&[], |_, _| Default::default()));
+    let boxes = Box::new(BoxLayer::new(gpu));
+    let mut layer = SceneLayer::of_layers(gpu, vec![boxes], nowhere, 1 << 20).unwrap();
+    let payload = |piece: Piece| match piece.unit {
+        unit if unit.asset == BOXES => {
+            Payload::Other(OtherPayload(Arc::new(BoxUnit(colour(unit.unit.0)))))
+        }
+        unit => {
+            let [width, height] = video.grid().tile_size(video.pack().tile_of(unit.unit));
+            Payload::Picture(Picture::filled(width, height, [90, 128, 128]))
+        }
+    };
+    let (mut cache, mut seen, mut fetched) = (Cache::default(), BTreeSet::new(), [0; 2]);
+    for step in 0..40 {
+        let at = f64::from(step) * STEP_S;
+        let now = looking(at, at, Pace::Playing, [0.0; 2], SIDE);
+        let left = perform(&mut layer, session.step(&now), &mut cache);
+        let (_, _) = drawer.perform(left, &mut cache, &now).unwrap();
+        let resident = session.states().resident().into_iter().map(|it| it.unit);
+        for new in resident.filter(|unit| seen.insert(*unit)) {
+            let asset = usize::from(new.asset.0);
+            let unit = contents[asset].unit(new.unit);
+            let is_fine = unit.level < contents[asset].coarsest();
+            fetched[asset] += u64::from(is_fine) * u64::from(unit.bytes.unwrap());
+        }
+        let spent = fetched.iter().sum::<u64>() as f64;
+        assert!(spent <= at * bytes_per_s, "{spent} bytes in {at} s");
+        for piece in session.requested().to_vec() {
+            cache.insert(piece, payload(piece));
+            session.take(SessionEvent::Decoded { piece, frames: 1 });
+        }
+    }
+    let view = looking(0.0, 0.0, Pace::Standing, [0.0; 2], SIDE)
+        .moment
+        .views[0];
+    let alone = drawer.picture(&view, None).unwrap().unwrap();
+    let under = drawer.draw(&view, None).unwrap();
+    let both = layer.read_over(under, &view, &SceneStyle::default());
+    (fetched, [both.unwrap().wait(gpu).unwrap(), alone])
+}
+
+#[test]
+fn a_kind_from_outside_is_drawn_in_front_of_a_video_and_chosen_within_one_budget() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let (fetched, [both, video]) = played(&gpu, 8000.0);
+    assert!(fetched.iter().all(|bytes| *bytes > 0), "{fetched:?}");
+    for at in [[2, 2], [SIDE - 3, 2], [2, SIDE - 3], [SIDE - 3; 2]] {
+        assert_eq!(both.pixel(at), video.pixel(at), "{at:?}");
+    }
+    // Boxes are fine where the eye looks, and coarse next to it.
+    let [beside, gazed] = [40, SIDE / 2].map(|x| both.pixel([x, SIDE / 2]));
+    let level_of = |found| (0..5).find(|level| colour(first_of(*level)) == found);
+    let [beside, gazed] = [beside, gazed].map(|it| level_of(it).unwrap());
+    assert!(gazed < beside, "{gazed} {beside}");
+    // A slow link brings less of both together.
+    let (less, _) = played(&gpu, 500.0);
+    assert!(less.iter().sum::<u64>() < fetched.iter().sum(), "{less:?}");
+}
+
+/// A box of a level.
+fn first_of(level: u8) -> u32 {
+    (level..4).fold(0, |number, _| 8 * number + 1)
+}
