@@ -8,6 +8,7 @@ use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::session::actions::{Pace, SessionAction, SessionEvent};
 use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::unit_states::UnitState;
 use foveal_core::session::{bounds::Bounds, log_of_parts::SessionLog};
 use foveal_core::view::surface::Projection;
 use std::collections::BTreeSet;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 const BYTES_PER_S: f64 = 20_000.0;
 
 #[test]
-fn boxes_beside_a_video_are_bought_within_one_budget_evicted_logged_and_replayed() {
+fn boxes_beside_a_video_are_bought_within_one_budget_hidden_logged_and_replayed() {
     let video = made_video::Made::new(Projection::Flat, [800, 480], 64).build();
     let scene: Vec<Arc<dyn Content>> = vec![video.unwrap(), Arc::new(Boxes::default())];
     let settings = SessionSettings {
@@ -28,7 +29,7 @@ fn boxes_beside_a_video_are_bought_within_one_budget_evicted_logged_and_replayed
         bounds: Bounds::default(),
     };
     let mut session = Session::new(scene.clone(), settings);
-    let (mut text, mut spent, mut is_evicted) = (String::new(), 0, false);
+    let (mut text, mut spent, mut is_hidden) = (String::new(), 0, false);
     let mut seen = BTreeSet::<UnitRef>::new();
     for step in 0..160 {
         let (at, yaw) = (f64::from(step) * 0.02, f64::from(step / 80) * 0.5 - 0.25);
@@ -37,11 +38,11 @@ fn boxes_beside_a_video_are_bought_within_one_budget_evicted_logged_and_replayed
                 text.push_str(&lines);
             }
         }
-        let resident = session.states().resident();
-        let resident: BTreeSet<UnitRef> = resident.into_iter().map(|it| it.unit).collect();
+        let shown = session.states().in_state(UnitState::Shown);
+        let shown: BTreeSet<UnitRef> = shown.into_iter().map(|it| it.unit).collect();
         let mut boxes = seen.iter().filter(|it| it.asset.0 == 1);
-        is_evicted |= boxes.any(|it| !resident.contains(it));
-        for unit in resident.into_iter().filter(|unit| seen.insert(*unit)) {
+        is_hidden |= boxes.any(|it| !shown.contains(it));
+        for unit in shown.into_iter().filter(|unit| seen.insert(*unit)) {
             let (content, unit) = (&scene[usize::from(unit.asset.0)], unit.unit);
             let is_fine = content.unit(unit).level < content.coarsest();
             spent += u64::from(is_fine) * u64::from(content.unit(unit).bytes.unwrap());
@@ -52,7 +53,7 @@ fn boxes_beside_a_video_are_bought_within_one_budget_evicted_logged_and_replayed
         }
     }
     let boxes = seen.iter().filter(|it| it.asset.0 == 1).count();
-    assert!(boxes.min(seen.len() - boxes) > 50 && is_evicted, "{boxes}");
+    assert!(boxes.min(seen.len() - boxes) > 50 && is_hidden, "{boxes}");
     let log = SessionLog::parse(&text).unwrap();
     let content = |asset: AssetId| Arc::clone(&scene[usize::from(asset.0)]);
     let again = log.replay(&|asset, head, config| content(asset).demand(head, config));

@@ -175,6 +175,12 @@ impl Player {
         self.video.grid()
     }
 
+    /// Bytes of units that were fetched again, because they had left the client's memory.
+    #[must_use]
+    pub fn refetched_bytes(&self) -> u64 {
+        self.session.figures().refetched_bytes
+    }
+
     /// What draws the frame that was played last.
     pub fn drawer(&mut self) -> &mut Drawer {
         &mut self.drawer

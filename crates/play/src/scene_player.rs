@@ -148,6 +148,12 @@ impl ScenePlayer {
         &mut self.drawer
     }
 
+    /// Bytes of units that were fetched again, because they had left the client's memory.
+    #[must_use]
+    pub fn refetched_bytes(&self) -> u64 {
+        self.session.figures().refetched_bytes
+    }
+
     /// The session log so far.
     #[must_use]
     pub fn log(&self) -> &str {
@@ -215,6 +221,9 @@ impl ScenePlayer {
             if !has_measured && self.session.shown_tick().is_some() {
                 self.measure(moment)?;
                 has_measured = true;
+            }
+            if let Some(evicted) = self.drawer.take_evicted() {
+                self.session.take(evicted);
             }
             let choosing = Instant::now();
             let actions = decide(&mut self.session, &now);
@@ -312,7 +321,7 @@ impl ScenePlayer {
         let states = self.session.states();
         detail_share(self.scene(), moment, |unit| {
             let asset = AssetId::ONLY;
-            states.is_resident(Piece {
+            states.is_shown(Piece {
                 unit: UnitRef { asset, unit },
                 frame: 0,
             })

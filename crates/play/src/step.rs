@@ -34,7 +34,11 @@ pub(crate) fn step(
 ) -> Result<(bool, Vec<SessionAction>), PlayError> {
     leave_room(session, drawer, &now.moment)?;
     let measured = drawer.measure(session, &now.moment)?;
-    measured.into_iter().for_each(|event| session.take(event));
+    let evicted = drawer.take_evicted();
+    measured
+        .into_iter()
+        .chain(evicted)
+        .for_each(|event| session.take(event));
     let performed = drawer.perform(decide(session, now), cache, now)?;
     // What came is measured while the next picture is awaited.
     let measured = drawer.measure(session, &now.moment)?;

@@ -29,6 +29,13 @@ pub struct Drawer {
     assets: Vec<AssetDrawer>,
     /// Units that did not fit to what is there.
     refused: u64,
+    /// What was to be shown again and was not there.
+    evicted: Vec<Piece>,
+}
+
+fn of_asset(units: &[UnitRef], asset: AssetId) -> Vec<UnitRef> {
+    let of_asset = units.iter().filter(|unit| unit.asset == asset);
+    of_asset.copied().collect()
 }
 
 impl Drawer {
@@ -63,6 +70,7 @@ impl Drawer {
             device: device.clone(),
             assets: vec![asset],
             refused: 0,
+            evicted: Vec::new(),
         }
     }
 
@@ -183,12 +191,30 @@ impl Drawer {
         Ok(())
     }
 
-    /// Evicts all units but these and the coarsest level.
-    pub fn keep(&mut self, units: &[UnitRef]) {
+    /// Draws only `shown` units and the coarsest level. Of the others those stay that are
+    /// `staying`, first what is to stay longest, each after those that it needs.
+    pub fn keep(&mut self, shown: &[UnitRef], staying: &[UnitRef]) {
         for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
-            let of_asset = units.iter().filter(|unit| unit.asset == asset);
-            drawer.keep(&of_asset.copied().collect::<Vec<_>>());
+            drawer.keep(&of_asset(shown, asset), &of_asset(staying, asset));
         }
+    }
+
+    /// Draws a piece again that stayed; one that did not is reported as evicted.
+    fn show(&mut self, piece: Piece) -> bool {
+        let asset = self.assets.get_mut(usize::from(piece.unit.asset.0));
+        let is_there = asset.is_some_and(|asset| asset.show(piece));
+        self.evicted.extend((!is_there).then_some(piece));
+        is_there
+    }
+
+    /// What a session is to take before its next step of what gave way to something else; `None`
+    /// where nothing did.
+    pub fn take_evicted(&mut self) -> Option<SessionEvent> {
+        let mut evicted = std::mem::take(&mut self.evicted);
+        for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
+            evicted.extend(drawer.take_evicted(asset));
+        }
+        (!evicted.is_empty()).then_some(SessionEvent::Evicted(evicted))
     }
 
     /// Does what of a session's actions is drawing, with the payloads that were kept for it, for a
@@ -206,6 +232,7 @@ impl Drawer {
         now: &Now,
     ) -> Result<(bool, Vec<SessionAction>), RenderError> {
         let (mut changed, mut left, mut came) = (false, Vec::new(), Vec::new());
+        self.spare(&actions);
         for action in actions {
             match action {
                 SessionAction::BeginFrame(frame) => {
@@ -214,9 +241,8 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        let morphs = payload.view().morphs();
                         match self.upload(piece, payload) {
-                            Ok(()) => came.extend(morphs.then_some(piece.unit)),
+                            Ok(()) => came.push(piece.unit),
                             // What is damaged so that it does not fit is left coarse.
                             Err(error) if error.is_of_unit() => self.refused += 1,
                             Err(other) => return Err(other),
@@ -224,8 +250,13 @@ impl Drawer {
                         changed = true;
                     }
                 }
-                SessionAction::Keep(units) => {
-                    self.keep(&units);
+                SessionAction::Show(piece) => {
+                    let is_shown = self.show(piece);
+                    came.extend(is_shown.then_some(piece.unit));
+                    changed = true;
+                }
+                SessionAction::Keep { shown, staying } => {
+                    self.keep(&shown, &staying);
                     changed = true;
                 }
                 SessionAction::Drop(piece) => drop(cache.take(piece)),
@@ -234,10 +265,23 @@ impl Drawer {
         }
         for (asset, scene) in self.scenes() {
             let came = came.iter().filter(|unit| unit.asset == asset);
-            let came: Vec<_> = came.map(|unit| unit.unit).collect();
+            let came = came.map(|it| it.unit).filter(|unit| scene.morphs(*unit));
+            let came: Vec<_> = came.collect();
             changed |= scene.morph(&came, now);
         }
         Ok((changed, left))
+    }
+
+    /// What is to be shown again does not give way to what comes before.
+    fn spare(&mut self, actions: &[SessionAction]) {
+        let shown = actions.iter().filter_map(|action| match action {
+            SessionAction::Show(piece) => Some(piece.unit),
+            _ => None,
+        });
+        let shown: Vec<UnitRef> = shown.collect();
+        for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
+            drawer.spare(&of_asset(&shown, asset));
+        }
     }
 
     /// From now on source frame `frame` of videos is shown.

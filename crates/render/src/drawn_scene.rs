@@ -6,6 +6,7 @@ use crate::error::RenderError;
 use crate::image::RgbaImage;
 use crate::params::Overlay;
 use crate::scene::coming::Coming;
+use crate::scene::layer::SceneLayer;
 use crate::scene::morphs::Morphs;
 use crate::scene::params::SceneStyle;
 use crate::scene_drawer::SceneDrawer;
@@ -81,9 +82,33 @@ impl DrawnScene {
         })
     }
 
-    /// Evicts all units but these and the coarsest level.
-    pub(crate) fn keep(&mut self, units: &HashSet<UnitId>) {
-        self.drawer.keep(units);
+    /// Draws only these units and the coarsest level. Of the others those stay that are `staying`,
+    /// first what is to stay longest.
+    pub(crate) fn keep(&mut self, units: &HashSet<UnitId>, staying: &[UnitId]) {
+        self.drawer.keep(units, staying);
+    }
+
+    /// Draws a unit again that stayed; `false` where it did not.
+    pub(crate) fn show(&mut self, unit: UnitId) -> bool {
+        self.drawer.show(unit)
+    }
+
+    /// Whether a unit is on its way once it is drawn.
+    pub(crate) fn morphs(&self, unit: UnitId) -> bool {
+        self.scene.pack().row(unit).kind.facts().morphs
+    }
+
+    /// These do not give way, until others are spared: they are about to be drawn again.
+    pub(crate) fn spare(&mut self, units: &[UnitId]) {
+        if let Some(layer) = self.drawer.layer() {
+            layer.spare(units);
+        }
+    }
+
+    /// Units that stayed and gave way since this was last asked.
+    pub(crate) fn take_evicted(&mut self) -> Vec<UnitId> {
+        let layer = self.drawer.layer();
+        layer.map(SceneLayer::take_evicted).unwrap_or_default()
     }
 
     /// Keeps room for the pictures of these views, and returns how many bytes units may use on the

@@ -13,6 +13,7 @@ mod drawer;
 mod drawn_scene;
 mod error;
 pub mod gpu;
+pub mod idle;
 mod image;
 pub mod importance;
 mod kinds;

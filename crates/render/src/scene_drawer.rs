@@ -78,13 +78,24 @@ impl SceneDrawer {
         }
     }
 
-    /// Evicts all units but those that are wanted, what these need, and roots.
-    pub fn keep(&mut self, wanted: &HashSet<UnitId>) {
+    /// Draws only units that are wanted, what these need, and roots. Of the others those stay that
+    /// are `staying`, first what is to stay longest, each after those that it needs.
+    pub fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
         self.measuring.forget();
         match &mut self.engine {
-            Engine::Gpu(layer) => layer.retain(wanted),
-            Engine::Twin(twin) => twin.retain(wanted),
+            Engine::Gpu(layer) => layer.keep(wanted, staying),
+            Engine::Twin(twin) => twin.keep(wanted, staying),
             Engine::Nothing => {}
+        }
+    }
+
+    /// Draws a unit again that stayed, after those that it needs; `false` where it did not stay.
+    pub fn show(&mut self, unit: UnitId) -> bool {
+        self.measuring.forget();
+        match &mut self.engine {
+            Engine::Gpu(layer) => layer.show(unit),
+            Engine::Twin(twin) => twin.show(unit),
+            Engine::Nothing => true,
         }
     }
 

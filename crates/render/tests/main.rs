@@ -26,6 +26,7 @@ mod properties;
 mod read_tile;
 mod residency;
 mod shaders;
+mod staying;
 mod textures;
 mod twins;
 mod two_assets;

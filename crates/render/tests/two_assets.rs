@@ -159,6 +159,9 @@ fn played(device: &DrawDevice, bytes_per_s: f64) -> ([u64; 2], RgbaImage, RgbaIm
     let mut fetched = [0_u64; 2];
     for step in 0..STEPS {
         let now = now(step);
+        if let Some(evicted) = drawers[0].take_evicted() {
+            session.take(evicted);
+        }
         let actions = session.step(&now);
         let (_, _) = drawers[0].perform(actions, &mut cache, &now).unwrap();
         for piece in session.requested().to_vec() {

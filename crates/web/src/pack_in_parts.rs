@@ -10,7 +10,7 @@ use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{HEADER_BYTES, Header, PackError, check_crc};
-use foveal_core::session::bounds::Bounds;
+use foveal_core::session::bounds::{Bounds, CLIENT_BYTES};
 use foveal_core::units::{Radians, counted};
 use foveal_core::view::navigation::Navigation;
 use foveal_core::view::surface::Screen;
@@ -24,6 +24,7 @@ const OF_VIDEO: Bounds = Bounds {
     in_flight: 512 << 20,
     cached: 1 << 30,
     gpu: 2 << 30,
+    client: CLIENT_BYTES,
 };
 /// The same of a scene, whose units stay on the GPU as long as they are seen. Few are asked for at
 /// once, so that turning away is not delayed by stale requests.
@@ -31,6 +32,7 @@ const OF_SCENE: Bounds = Bounds {
     in_flight: 8 << 20,
     cached: 256 << 20,
     gpu: 256 << 20,
+    client: CLIENT_BYTES,
 };
 
 /// A pack of which all has been loaded that comes before its units.

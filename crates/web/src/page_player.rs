@@ -318,6 +318,9 @@ impl PagePlayer {
             self.session.take(room);
         }
         self.measure(&moment)?;
+        if let Some(evicted) = self.drawer.take_evicted() {
+            self.session.take(evicted);
+        }
         let step = self.viewer.now(&self.session, &moment, now);
         let actions = self.session.step(&step);
         let (mut changed, wants) = self.obey(actions, &step)?;

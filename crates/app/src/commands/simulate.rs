@@ -53,6 +53,8 @@ pub(crate) struct RunSummary {
     pub(crate) pixels_share_mean: f64,
     pub(crate) pixels_share_max: f64,
     pub(crate) bytes: u64,
+    /// Bytes of units that were fetched again.
+    pub(crate) refetched_bytes: u64,
     pub(crate) decoded_megapixels: f64,
     pub(crate) decode_ms_mean: f64,
     pub(crate) decode_ms_p95: f64,
@@ -413,6 +415,7 @@ pub(crate) fn summarise(
         pixels_share_mean: reports.iter().map(|r| r.share).sum::<f64>() / count,
         pixels_share_max: reports.iter().map(|r| r.share).fold(0.0, f64::max),
         bytes: reports.iter().map(|r| r.new_bytes).sum(),
+        refetched_bytes: player.refetched_bytes(),
         decoded_megapixels: reports.iter().map(|r| r.decoded_pixels).sum::<u64>() as f64 / 1e6,
         decode_ms_mean: decode_ms.iter().sum::<f64>() / count,
         decode_ms_p95: decode_ms.get(p95).copied().unwrap_or_default(),
@@ -482,7 +485,7 @@ impl RunSummary {
              fetched, {:.1} MPix decoded\n\
              decoding {:.1} ms a frame (95th percentile {:.1}), {}, {}, {}, {}, \
              {:.2} MB on the GPU\n\
-             {}{}{}{}{}{}{}{}written to {}",
+             {}{}{}{}{}{}{}{}{}written to {}",
             counted(self.frames, "frame"),
             self.policy,
             self.policy_chosen.map_or("", |_| " (chosen by auto)"),
@@ -497,6 +500,7 @@ impl RunSummary {
             counted(self.damaged_tiles, "damaged tile"),
             counted(self.level_changes, "level change"),
             self.gpu_bytes as f64 / 1e6,
+            output::refetched(self.refetched_bytes),
             self.detail_share_mean
                 .map_or(String::new(), |share| format!(
                     "{:.1} % of the detail that the eye could see\n",

@@ -89,6 +89,8 @@ pub enum SessionEvent {
         /// In bytes.
         bytes: u64,
     },
+    /// What stayed on the GPU without being shown gave way to something else there.
+    Evicted(Vec<Piece>),
     /// The viewer went elsewhere in time.
     Jumped,
     /// Whether what was drawn is being measured, and [`Self::Measured`] follows.
@@ -129,10 +131,18 @@ pub enum SessionAction {
     Want(Vec<Piece>),
     /// From now on this frame is shown.
     BeginFrame(u32),
-    /// This piece, which was decoded, goes to where it is drawn from.
+    /// This piece, which was decoded, goes to where it is drawn from, and is shown.
     Upload(Piece),
-    /// All but these and the coarsest level are to be evicted.
-    Keep(Vec<UnitRef>),
+    /// This piece, which stayed there, is shown again.
+    Show(Piece),
+    /// What is there is shown, may stay there, or is to be evicted.
+    Keep {
+        /// These and the coarsest level are shown, and nothing else.
+        shown: Vec<UnitRef>,
+        /// These stay as long as nothing takes their places, first what is to stay longest; each
+        /// after those that it needs.
+        staying: Vec<UnitRef>,
+    },
     /// This piece, which was decoded, is not needed.
     Drop(Piece),
     /// Lines of the session log.

@@ -3,6 +3,7 @@
 pub mod actions;
 pub mod bounds;
 pub mod budget;
+mod client_memory;
 pub mod figures;
 pub mod log;
 pub mod log_of_parts;

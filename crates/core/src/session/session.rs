@@ -21,6 +21,7 @@ use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
 use crate::session::bounds::Bounds;
 use crate::session::budget::Budget;
+use crate::session::client_memory::ClientMemory;
 use crate::session::figures::Figures;
 use crate::session::policy_run::PolicyRun;
 use crate::session::unit_states::{Piece, UnitState, UnitStates};
@@ -57,12 +58,14 @@ pub struct SessionSettings {
 /// which they happened. What was decoded or found damaged counts from the next step on, all else
 /// at once. [`SessionEvent::Mounted`] and [`SessionEvent::BeganAt`] are for the time before
 /// anything is chosen. What draws reports [`SessionEvent::GpuRoom`] and [`SessionEvent::Measured`]
-/// before the step that is to choose by them.
+/// before the step that is to choose by them, and [`SessionEvent::Evicted`] before the next step:
+/// what a step shows again must still be there.
 ///
 /// **Commands** do in one call what no round does. [`Self::fetch_anew`] forgets what is on its way
 /// and on the GPU, after something that draws threw away what it held; whatever still comes of it
-/// is dropped. [`Self::pass`] chooses for a frame that is not shown. [`Self::begin_frame`] begins a
-/// frame that is made by itself, at [`Pace::FrameByFrame`].
+/// is dropped, and what was fetched stays in main memory. [`Self::pass`] chooses for a frame that
+/// is not shown. [`Self::begin_frame`] begins a frame that is made by itself, at
+/// [`Pace::FrameByFrame`].
 ///
 /// **The step**, [`Self::step`], moves on to a moment and returns what is to be done. These
 /// actions are carried out in their order, and all of them: a later one stands on those before.
@@ -118,6 +121,10 @@ pub struct Session {
     held_back: HashMap<Piece, Vec<Piece>>,
     /// Bytes of what is on the GPU.
     resident_bytes: u64,
+    /// What stays there without being shown, by the choice at which it left the picture.
+    staying: HashMap<Piece, u64>,
+    /// What was fetched and is still there.
+    memory: ClientMemory,
     /// What came since the last step.
     arrived: Vec<Arrived>,
     actions: Vec<SessionAction>,
@@ -205,6 +212,8 @@ impl Session {
             must_ask_anew: false,
             held_back: HashMap::new(),
             resident_bytes: 0,
+            staying: HashMap::new(),
+            memory: ClientMemory::new(settings.bounds.client),
             arrived: Vec::new(),
             actions: Vec::new(),
             jumped: false,
@@ -239,7 +248,11 @@ impl Session {
             SessionEvent::Charged { bytes } => self.run.charge(bytes),
             SessionEvent::BeganAt(time) => self.run.begin_at(time),
             SessionEvent::Mounted(panels) => self.run.show_on(panels),
-            SessionEvent::GpuRoom { bytes } => self.bounds.gpu = bytes,
+            SessionEvent::GpuRoom { bytes } => {
+                self.bounds.gpu = bytes;
+                self.leave_room(0);
+            }
+            SessionEvent::Evicted(pieces) => pieces.into_iter().for_each(|it| self.lose(it)),
             SessionEvent::Jumped => {
                 self.give_up_coming();
                 self.lead = 0.0;
@@ -280,6 +293,7 @@ impl Session {
         self.waiting.clear();
         self.held_back.clear();
         self.resident_bytes = 0;
+        self.staying.clear();
         for piece in self.states.in_state(UnitState::Cached) {
             self.actions.push(SessionAction::Drop(piece));
         }

@@ -5,6 +5,7 @@ use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
 use crate::gpu::pool::most_bound;
 use crate::gpu::room::TakenBytes;
+use crate::idle::IdleUnits;
 use crate::points::cubes::{StandingCube, standing};
 use crate::points::memory::{BLOCK, PointMemory, placed_bytes};
 use crate::points::params::{CloudViewParams, CubeParams};
@@ -74,6 +75,18 @@ impl PointLayer {
         })
     }
 
+    /// What is not drawn gives way to a unit before anything grows.
+    fn make_place(&mut self, unit: UnitId) {
+        let there = self.units.unit(unit);
+        let bytes = there.map_or(0, |(_, placed)| placed_bytes(placed));
+        while self.memory.free_bytes() < bytes {
+            let Some(idle) = self.units.give_way() else {
+                return;
+            };
+            self.memory.remove(idle);
+        }
+    }
+
     /// Rewrites a unit whose colours changed.
     fn rewrite(&self, unit: Option<UnitId>) {
         let Some(unit) = unit else { return };
@@ -137,9 +150,10 @@ impl KindLayer for PointLayer {
         let PayloadView::Points(says) = coming.says else {
             return Err(RenderError::OtherKind);
         };
-        if !self.units.insert(coming, says)? {
+        if self.show(coming.unit) || !self.units.insert(coming, says)? {
             return Ok(true);
         }
+        self.make_place(coming.unit);
         let there = self.units.unit(coming.unit);
         let cloud = self.units.cloud(coming.object);
         let (Some((_, placed)), Some(cloud)) = (there, cloud) else {
@@ -168,10 +182,37 @@ impl KindLayer for PointLayer {
         is_there
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        let stay: HashSet<UnitId> = staying.iter().copied().collect();
         for unit in self.units.to_go(wanted) {
-            self.remove(unit);
+            if !stay.contains(&unit) {
+                self.remove(unit);
+                continue;
+            }
+            let changed = self.units.hide(unit);
+            self.memory.use_for_drawing(unit, false);
+            self.rewrite(changed);
+            self.is_stale = true;
         }
+        for unit in self.units.set_idle(staying) {
+            self.memory.remove(unit);
+        }
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        let is_there = self.units.show(unit);
+        if is_there {
+            self.memory.use_for_drawing(unit, true);
+            self.rewrite(Some(unit));
+            let parent = self.units.unit(unit);
+            self.rewrite(parent.and_then(|(_, placed)| placed.parent()));
+            self.is_stale = true;
+        }
+        is_there
+    }
+
+    fn idle(&mut self) -> Option<&mut IdleUnits<UnitId>> {
+        Some(&mut self.units.idle)
     }
 
     fn taken(&self) -> TakenBytes {
@@ -184,7 +225,12 @@ impl KindLayer for PointLayer {
 
     fn give_back(&mut self, must: bool) -> Result<(), RenderError> {
         match must {
-            true => self.memory.pack(&self.units),
+            true => {
+                while let Some(idle) = self.units.give_way() {
+                    self.memory.remove(idle);
+                }
+                self.memory.pack(&self.units)
+            }
             // It holds little more than it needs.
             false => Ok(()),
         }

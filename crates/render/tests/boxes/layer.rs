@@ -11,7 +11,7 @@ use foveal_render::scene::phase::{Go, Phase};
 use foveal_render::shaders::of_units;
 use foveal_render::{Coming, Gpu, RenderError};
 use glam::DVec3;
-use std::collections::{BTreeMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 const SHADER: &str = "
 struct Corner { place: vec3f, colour: u32 }
@@ -31,6 +31,8 @@ pub(super) struct BoxUnit(pub(super) [u8; 4]);
 pub(super) struct BoxLayer {
     gpu: Gpu,
     units: BTreeMap<UnitId, [u8; 4]>,
+    /// Those that stay without being drawn.
+    hidden: BTreeSet<UnitId>,
     pass: CornerPass,
     /// What the last picture was drawn with, and how many corners it had.
     bound: Option<(wgpu::BindGroup, u32)>,
@@ -43,6 +45,7 @@ impl BoxLayer {
         Self {
             gpu: gpu.clone(),
             units: BTreeMap::new(),
+            hidden: BTreeSet::new(),
             pass: CornerPass::new(gpu, &shader, bindings, Phase::Opaque),
             bound: None,
         }
@@ -50,12 +53,14 @@ impl BoxLayer {
 
     /// What is drawn: of each box that is there the parts that no finer one shows.
     fn parts(&self) -> impl Iterator<Item = (u32, [u8; 4])> {
-        self.units.iter().flat_map(|(unit, colour)| {
+        let is_drawn = |unit: &UnitId| self.units.contains_key(unit) && !self.hidden.contains(unit);
+        let drawn = self.units.iter().filter(move |(unit, _)| is_drawn(unit));
+        drawn.flat_map(move |(unit, colour)| {
             let parts = match place_of(unit.0).0 {
                 0 => unit.0..unit.0 + 1,
                 _ => 8 * unit.0 + 1..8 * unit.0 + 9,
             };
-            let is_finer = |part: &u32| *part != unit.0 && self.units.contains_key(&UnitId(*part));
+            let is_finer = move |part: &u32| *part != unit.0 && is_drawn(&UnitId(*part));
             let coarse = parts.filter(move |part| !is_finer(part));
             coarse.map(|part| (part, *colour))
         })
@@ -99,15 +104,25 @@ impl KindLayer for BoxLayer {
         self.units.remove(&unit).is_some()
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        let root = UnitId(0);
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        let is_drawn = |unit: &UnitId| unit.0 == 0 || wanted.contains(unit);
         self.units
-            .retain(|unit, _| *unit == root || wanted.contains(unit));
+            .retain(|unit, _| is_drawn(unit) || staying.contains(unit));
+        let hides = |unit: &&UnitId| !is_drawn(unit);
+        self.hidden = self.units.keys().filter(hides).copied().collect();
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        self.hidden.remove(&unit)
     }
 
     fn taken(&self) -> TakenBytes {
-        let used = GPU_BYTES * self.units.len() as u64;
-        TakenBytes { used, held: used }
+        // What stays counts as free.
+        let bytes = |units: usize| GPU_BYTES * units as u64;
+        TakenBytes {
+            used: bytes(self.units.len() - self.hidden.len()),
+            held: bytes(self.units.len()),
+        }
     }
 
     fn give_back(&mut self, _: bool) -> Result<(), RenderError> {

@@ -8,11 +8,12 @@ use crate::octree_boxes::{Boxes, place_of};
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::{OtherPayload, Payload};
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::unit::AssetId;
+use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::pack::unit::UnitId;
 use foveal_core::session::actions::{Cache, Pace, SessionAction, SessionEvent};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::session::session::{Session, SessionSettings};
-use foveal_core::session::unit_states::Piece;
+use foveal_core::session::unit_states::{Piece, UnitState};
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Projection;
 use foveal_render::scene::placements::Placements;
@@ -57,9 +58,19 @@ fn perform(
                 assert!(layer.upload(&coming).unwrap());
                 continue;
             }
-            SessionAction::Keep(ref units) => {
-                let boxes = units.iter().filter(|it| it.asset == BOXES);
-                layer.retain(&boxes.map(|it| it.unit).collect());
+            SessionAction::Show(piece) if piece.unit.asset == BOXES => {
+                assert!(layer.show(piece.unit.unit));
+                continue;
+            }
+            SessionAction::Keep {
+                ref shown,
+                ref staying,
+            } => {
+                let boxes = |units: &[UnitRef]| -> Vec<UnitId> {
+                    let boxes = units.iter().filter(|it| it.asset == BOXES);
+                    boxes.map(|it| it.unit).collect()
+                };
+                layer.keep(&boxes(shown).into_iter().collect(), &boxes(staying));
             }
             _ => {}
         }
@@ -102,8 +113,8 @@ fn played(gpu: &Gpu, bytes_per_s: f64) -> ([u64; 2], [RgbaImage; 2]) {
         let now = looking(at, at, Pace::Playing, [0.0; 2], SIDE);
         let left = perform(&mut layer, session.step(&now), &mut cache);
         let (_, _) = drawer.perform(left, &mut cache, &now).unwrap();
-        let resident = session.states().resident().into_iter().map(|it| it.unit);
-        for new in resident.filter(|unit| seen.insert(*unit)) {
+        let shown = session.states().in_state(UnitState::Shown).into_iter();
+        for new in shown.map(|it| it.unit).filter(|unit| seen.insert(*unit)) {
             let asset = usize::from(new.asset.0);
             let unit = contents[asset].unit(new.unit);
             let is_fine = unit.level < contents[asset].coarsest();

@@ -55,6 +55,8 @@ pub(crate) struct SceneSummary {
     frames: usize,
     /// All bytes: head, pages of index and table, units.
     bytes: u64,
+    /// Bytes of units that were fetched again, which these do not count.
+    refetched_bytes: u64,
     /// Bytes until the first picture.
     first_picture_bytes: u64,
     /// Bytes until the fovea was within 1 % of full detail, and when; null where it never was, or
@@ -376,6 +378,7 @@ fn summarise(policy: Policy, frames: &[Frame], player: &mut ScenePlayer) -> Scen
         policy: policy.name(),
         frames: frames.len(),
         bytes: bytes.last().copied().unwrap_or_default(),
+        refetched_bytes: player.refetched_bytes(),
         first_picture_bytes: bytes.first().copied().unwrap_or_default(),
         bytes_to_fovea: there.map(|at| bytes[at]),
         seconds_to_fovea: there.map(|at| frames[at].time.0),
@@ -437,6 +440,7 @@ impl SceneSummary {
                 "the fovea was within 1 % after {bytes}, {seconds:.2} s"
             );
         }
+        text += &output::refetched(self.refetched_bytes);
         if self.damaged_units > 0 {
             let _ = writeln!(
                 text,

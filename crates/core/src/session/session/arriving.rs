@@ -4,6 +4,7 @@ use super::{Session, Staged};
 use crate::content::unit::UnitRef;
 use crate::pack::unit::UnitId;
 use crate::session::actions::{Now, SessionAction};
+use crate::session::client_memory::Fetched;
 use crate::session::unit_states::{Piece, UnitState};
 
 impl Session {
@@ -14,7 +15,10 @@ impl Session {
             self.figures.decoded(u64::from(arrived.frames) * samples);
             match arrived.is_damaged {
                 true => self.give_up(arrived.piece),
-                false => self.place(arrived.piece),
+                false => {
+                    self.receive(arrived.piece);
+                    self.place(arrived.piece);
+                }
             }
         }
         let lost = |piece: &&Piece| {
@@ -35,6 +39,15 @@ impl Session {
                 figures.complete(now.wall.0 - staged.begun);
             }
         }
+    }
+
+    /// Counts what a piece took to fetch, where its unit was not there.
+    fn receive(&mut self, piece: Piece) {
+        let unit = self.unit(piece);
+        let bytes = u64::from(unit.bytes.unwrap_or(0));
+        let fetched = self.memory.receive(piece.unit, &unit);
+        self.figures.fetched_bytes += if fetched == Fetched::Held { 0 } else { bytes };
+        self.figures.refetched_bytes += if fetched == Fetched::Again { bytes } else { 0 };
     }
 
     /// Keeps a piece for the frame that comes, or shows it in the one that is there.
@@ -132,6 +145,10 @@ impl Session {
         self.waiting.clear();
         self.must_ask_anew = true;
         self.let_go(&coming.wanted);
+        // What is left came for the frame on screen as well.
+        for piece in coming.wanted {
+            self.show_arrived(piece, true);
+        }
     }
 
     /// Forgets pieces that nothing shows.

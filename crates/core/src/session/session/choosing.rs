@@ -116,7 +116,10 @@ impl Session {
                 begun: now.wall.0,
                 ..shown
             });
-            self.shown = shown.map(|shown| self.choose(shown, now));
+            let shown = shown.map(|shown| self.choose(shown, now));
+            let wanted = shown.as_ref().map(|shown| shown.wanted.clone());
+            self.shown = shown;
+            self.show_again(wanted.unwrap_or_default());
             self.want_missing(now);
         }
     }
@@ -127,6 +130,7 @@ impl Session {
         self.write(log, line);
         let wanted: Vec<Piece> = units.into_iter().map(|unit| staged.piece(unit)).collect();
         let wanted = self.fitting(wanted, now);
+        self.memory.choose(wanted.iter().map(|piece| piece.unit));
         let before = staged.wanted;
         let staged = Staged {
             shows: wanted.iter().copied().collect(),
