@@ -18,8 +18,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, SystemTime};
 
-use crate::steps::{Outcome, cargo, output_of, repository_root};
-use crate::tidy::workspace_metadata;
+use crate::steps::{Outcome, cargo, output_of, repository_root, workspace_metadata};
 
 const SWITCH: &str = "FOVEAL_DEPS_CACHE";
 /// Most sets of dependencies that are kept, each of one lock file and compiler.

@@ -4,6 +4,8 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use serde_json::Value;
+
 /// What a command comes to: nothing to say, or why it failed.
 pub(crate) type Outcome = Result<(), String>;
 
@@ -79,7 +81,7 @@ const WASM: &str = "wasm32-unknown-unknown";
 
 /// Where cargo builds.
 pub(crate) fn target_folder() -> Result<PathBuf, String> {
-    let metadata = crate::tidy::workspace_metadata()?;
+    let metadata = workspace_metadata()?;
     let folder = metadata["target_directory"].as_str();
     Ok(folder.ok_or("cargo names no target folder")?.into())
 }
@@ -131,4 +133,17 @@ pub(crate) fn bless(filter: Option<&str>) -> Outcome {
     run(linting_cargo(&words)?.env("FOVEAL_BLESS", "1"))?;
     println!("bless: look at each picture that `git status` now lists before you commit it");
     Ok(())
+}
+
+/// What cargo knows of the workspace's own packages; asks no registry.
+pub(crate) fn workspace_metadata() -> Result<Value, String> {
+    let words = [
+        "metadata",
+        "--no-deps",
+        "--offline",
+        "--format-version",
+        "1",
+    ];
+    let text = output_of(&mut cargo(&words))?;
+    serde_json::from_str(&text).map_err(|e| format!("cargo metadata: {e}"))
 }

@@ -5,6 +5,7 @@ mod circles;
 mod citation;
 mod crates;
 mod documents;
+mod finding;
 mod foreign;
 mod kinds;
 mod known;
@@ -23,39 +24,14 @@ mod tree;
 mod words;
 
 use std::collections::BTreeMap;
-use std::fmt;
-
-use serde_json::Value;
 
 use crate::measured;
-use crate::steps::{Outcome, cargo, output_of, repository_root};
+use crate::steps::{Outcome, repository_root, workspace_metadata};
+use finding::Finding;
 use known::Breach;
+use source::graph::Graph;
 use source::modules::{Modules, crates_with_sources};
 use tree::Tree;
-
-/// One broken rule: where, what is wrong, and what to do.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Finding {
-    file: String,
-    line: usize,
-    message: String,
-}
-
-impl Finding {
-    fn new(file: &str, line: usize, message: impl Into<String>) -> Self {
-        Self {
-            file: file.to_owned(),
-            line,
-            message: message.into(),
-        }
-    }
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: {}", self.file, self.line, self.message)
-    }
-}
 
 /// Prints each finding of the tree as `file:line: message`; fails when there is one.
 pub(crate) fn run() -> Outcome {
@@ -101,9 +77,12 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
         .collect();
     let faults = crates.values().flat_map(|modules| modules.faults.clone());
     let mut breaches = rooms::check(tree);
-    breaches.extend(crates.values().flat_map(circles::check));
+    let xtask = Modules::of_sources(tree, "xtask/src");
+    let graphs = crates.values().chain([&xtask]).map(Graph::of);
+    let graphs = graphs.chain([Graph::of_typescript(tree, "web/src/")]);
+    breaches.extend(graphs.flat_map(|graph| circles::check(&graph)));
     breaches.extend(names::check(&crates));
-    breaches.extend(crates.get("core").map(kinds::check).unwrap_or_default());
+    breaches.extend(kinds::check(tree, &crates));
     breaches.extend(one_loop::check(tree));
     breaches.extend(architecture::check(tree));
     for (path, file) in tree.files() {
@@ -112,19 +91,6 @@ fn breaches(tree: &Tree) -> (Vec<Finding>, Vec<Breach>) {
     }
     breaches.sort();
     (faults.collect(), breaches)
-}
-
-/// What cargo knows of the workspace's own packages; asks no registry.
-pub(crate) fn workspace_metadata() -> Result<Value, String> {
-    let words = [
-        "metadata",
-        "--no-deps",
-        "--offline",
-        "--format-version",
-        "1",
-    ];
-    let text = output_of(&mut cargo(&words))?;
-    serde_json::from_str(&text).map_err(|e| format!("cargo metadata: {e}"))
 }
 
 fn check_files(tree: &Tree) -> Vec<Finding> {

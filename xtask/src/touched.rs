@@ -6,8 +6,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::steps::{output_of, repository_root};
-use crate::tidy::workspace_metadata;
+use crate::steps::{output_of, repository_root, workspace_metadata};
 
 /// The package of the program. Its whole-program tests take minutes.
 const PROGRAM: &str = "foveal";

@@ -43,7 +43,7 @@ enum Command {
     /// Show which levels a policy would choose, without content.
     Select(commands::select::SelectArgs),
     /// Play a pack without a window: pictures, figures and a log.
-    Simulate(commands::simulate_options::SimulateArgs),
+    Simulate(commands::simulate::options::SimulateArgs),
     /// Show a video or a scene in a window.
     #[command(mut_arg("policy", |policy| {
         policy.help(
@@ -83,9 +83,9 @@ enum Command {
 #[derive(Debug, Subcommand)]
 enum Prepare {
     /// Turn flat or 360° video, or a still picture, into a pack.
-    Video(commands::prepare::PrepareVideoArgs),
+    Video(commands::prepare::video::PrepareVideoArgs),
     /// Turn meshes (glTF, OBJ, PLY, STL) and scans (LAS, LAZ, PLY) of one scene into a pack.
-    Scene(commands::scene::prepare::PrepareSceneArgs),
+    Scene(commands::prepare::scene::PrepareSceneArgs),
     /// List the formats that are read, and what becomes of what their files hold.
     Formats(commands::formats::FormatsArgs),
 }
@@ -100,18 +100,16 @@ fn main() -> ExitCode {
     let matches = matches.unwrap_or_else(|error| report::output::fail_usage(&with_hint(error)));
     let cli =
         Cli::from_arg_matches(&matches).unwrap_or_else(|error| report::output::fail_usage(&error));
-    for line in options::unused::unused_options(&matches) {
-        report::output::say(&line);
-    }
+    let given = options::unused::Given::of(&matches);
     let result = match cli.command {
-        Command::Prepare(Prepare::Video(args)) => commands::prepare::run(&args),
-        Command::Prepare(Prepare::Scene(args)) => commands::scene::prepare::run(&args),
+        Command::Prepare(Prepare::Video(args)) => commands::prepare::video::run(&args),
+        Command::Prepare(Prepare::Scene(args)) => commands::prepare::scene::run(&args),
         Command::Prepare(Prepare::Formats(args)) => commands::formats::run(&args),
         Command::Info(args) => commands::info::run(&args),
         Command::Verify(args) => commands::verify::run(&args),
         Command::Calibrate(args) => commands::calibrate::run(&args),
-        Command::Select(args) => commands::select::run(&args),
-        Command::Simulate(args) => commands::simulate::run(&args),
+        Command::Select(args) => commands::select::run(&args, &given),
+        Command::Simulate(args) => commands::simulate::run(&args, &given),
         Command::View(args) => commands::view::run(&args),
         Command::Demo(args) => commands::demo::run(&args),
         Command::Panels(command) => commands::panels::run(&command),

@@ -8,6 +8,7 @@
 #![allow(clippy::duplicate_mod)]
 
 mod any_order;
+mod boxes;
 mod counting;
 mod damaged_point_units;
 mod damaged_scene_packs;

@@ -7,7 +7,7 @@ use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::{SceneDemand, why_not};
 use foveal_core::content::scene::description::{
-    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource, Shape,
 };
 use foveal_core::content::scene::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;
@@ -20,9 +20,11 @@ use foveal_core::session::actions::{Pace, SessionAction, SessionEvent};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::session::log_of_parts::SessionLog;
 use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::unit_states::UnitState;
 use foveal_core::view::random::Random;
 use glam::DVec3;
 use std::collections::{BTreeSet, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Levels of a row of units before the viewer: one root, and twice as many in each finer level,
@@ -75,7 +77,9 @@ fn scene() -> Arc<Scene> {
         source: SceneSource::default(),
         objects: vec![SceneObject {
             name: "row".to_owned(),
-            leaf_triangles: 65536,
+            shape: Shape::Mesh {
+                leaf_triangles: 65536,
+            },
             bounds: ObjectBounds {
                 centre: [0.0; 3],
                 radius: 4.0,
@@ -90,7 +94,6 @@ fn scene() -> Arc<Scene> {
             colour: [1.0; 4],
             two_sided: false,
             unlit: false,
-            points: None,
             placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -6.0]],
             texturing: None,
         }],
@@ -172,8 +175,13 @@ fn whatever_comes_when_a_unit_is_on_screen_only_after_what_it_needs() {
                         assert_eq!(missing, None, "of {unit:?}, seed {seed}");
                         shown.insert(unit);
                     }
-                    SessionAction::Keep(units) => {
-                        let kept: HashSet<UnitId> = units.iter().map(|it| it.unit).collect();
+                    SessionAction::Show(piece) => {
+                        let needs = scene.needs(piece.unit.unit);
+                        assert!(needs.iter().all(|need| shown.contains(need)), "seed {seed}");
+                        shown.insert(piece.unit.unit);
+                    }
+                    SessionAction::Keep { shown: kept, .. } => {
+                        let kept: HashSet<UnitId> = kept.iter().map(|it| it.unit).collect();
                         shown.retain(|unit| kept.contains(unit));
                         let is_held = |unit: &UnitId| {
                             scene.needs(*unit).iter().all(|need| shown.contains(need))
@@ -289,6 +297,75 @@ fn no_more_is_on_the_gpu_than_fits_and_the_root_always_is() {
     let resident = session.states().resident();
     assert!((40..=50).contains(&resident.len()), "{}", resident.len());
     assert!(resident.iter().any(|piece| piece.unit.unit == UnitId(0)));
+}
+
+/// Looks one way for some steps, in which what is wanted comes at once. Returns what was wanted.
+fn look(session: &mut Session, gaze: f64, steps: Range<u32>) -> Vec<UnitId> {
+    let mut wanted = Vec::new();
+    for step in steps {
+        let at = f64::from(step) * 0.04;
+        let now = looking::looking(at, 0.0, Pace::Standing, [gaze, 0.0], 800);
+        session.step(&now);
+        for piece in session.requested().to_vec() {
+            wanted.push(piece.unit.unit);
+            session.take(SessionEvent::Decoded { piece, frames: 1 });
+        }
+    }
+    wanted
+}
+
+fn in_state(session: &Session, state: UnitState) -> BTreeSet<UnitId> {
+    let pieces = session.states().in_state(state).into_iter();
+    pieces.map(|piece| piece.unit.unit).collect()
+}
+
+#[test]
+fn who_looks_away_and_back_wants_nothing_again() {
+    let scene = scene();
+    let of_unit = scene.unit(UnitId(0)).gpu_bytes;
+    let mut session = Session::new(
+        vec![Arc::clone(&scene) as Arc<dyn Content>],
+        settings(Policy::Acuity, None, 1000 * of_unit),
+    );
+    let first = look(&mut session, 0.4, 0..30);
+    let before = in_state(&session, UnitState::Shown);
+    let other = look(&mut session, -0.4, 30..60);
+    assert!(!other.is_empty() && in_state(&session, UnitState::Shown) != before);
+    assert!(!in_state(&session, UnitState::Resident).is_empty());
+    assert_eq!(look(&mut session, 0.4, 60..90), []);
+    assert_eq!(in_state(&session, UnitState::Shown), before);
+    let figures = session.figures();
+    let fetched = (first.len() + other.len()) as u64 * u64::from(BYTES);
+    assert_eq!(
+        [figures.fetched_bytes, figures.refetched_bytes],
+        [fetched, 0]
+    );
+}
+
+#[test]
+fn where_room_is_short_the_finest_go_first_and_are_fetched_again() {
+    let scene = scene();
+    let of_unit = scene.unit(UnitId(0)).gpu_bytes;
+    let shown = chosen(&scene, Policy::Acuity, [0.4, 0.0]).len() as u64;
+    let mut tight = settings(Policy::Acuity, None, (shown + 8) * of_unit);
+    tight.bounds.client = (shown + 8) * u64::from(BYTES);
+    let mut session = Session::new(vec![Arc::clone(&scene) as Arc<dyn Content>], tight);
+    look(&mut session, 0.4, 0..30);
+    let before = in_state(&session, UnitState::Shown);
+    look(&mut session, -0.4, 30..60);
+    let there = session.states().resident().into_iter();
+    let there: BTreeSet<UnitId> = there.map(|piece| piece.unit.unit).collect();
+    assert!(there.len() as u64 <= shown + 8);
+    let level = |unit: &UnitId| scene.pack().level_of(*unit);
+    let gone = before.difference(&there).map(level).max();
+    let stayed = in_state(&session, UnitState::Resident);
+    let stayed = stayed.iter().map(level).min();
+    assert!(gone.is_some() && gone <= stayed, "{gone:?} {stayed:?}");
+    let back = look(&mut session, 0.4, 60..90);
+    let figures = session.figures();
+    assert!(figures.refetched_bytes > 0, "{back:?}");
+    assert!(figures.refetched_bytes <= back.len() as u64 * u64::from(BYTES));
+    assert_eq!(in_state(&session, UnitState::Shown), before);
 }
 
 #[test]

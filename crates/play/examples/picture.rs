@@ -4,10 +4,10 @@
 use foveal_core::content::{asked::Detail, policy::Policy};
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::units::{Radians, Seconds};
-use foveal_core::view::{eye_view::EyeView, surface::Screen};
+use foveal_core::view::eye_view::EyeView;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_play::{Decoding, Look, Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::{FrameOptions, FramePlayer, PlayerOptions, WatchedFrame};
+use foveal_render::DrawDevice;
 use std::{env, fs::File, path::Path, sync::Arc};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -17,21 +17,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let [yaw, pitch] = [yaw.parse()?, pitch.parse()?].map(Radians::from_degrees);
     let file = Arc::new(PackFile::open(Path::new(pack))?);
-    let options = PlayerOptions {
-        config: Detail::Usual.of(Policy::Perceptual),
-        view: EyeView::filling(&file.pack().grid().surface, [1280, 720]),
-        screen: Screen::default(),
-        drawing: DrawDevice::Twin,
-        style: TileStyle::default(),
-        bytes_per_s: f64::INFINITY,
-        paced: false,
-        judged: false,
-        decoding: Decoding::software(),
-        tell: |_| {},
-    };
-    let mut player = Player::new(file, options)?;
+    let config = Detail::Usual.of(Policy::Perceptual);
+    let options = PlayerOptions::new(config, &DrawDevice::Twin, |_| {});
+    let view = EyeView::filling(&file.pack().grid().surface, [1280, 720]);
+    let mut player = FramePlayer::new(&file, FrameOptions::new(options, view))?;
     let gaze = GazeSample::at(Seconds(0.0), yaw, pitch);
-    let shown = player.show(0, &Look::known(gaze, HeadPose::default()))?;
+    let shown = player.show(0, &WatchedFrame::known(gaze, HeadPose::default()))?;
     let image = player.drawer().picture(&shown.view, None)?;
     let image = image.ok_or("the twin draws")?;
     let mut png = png::Encoder::new(File::create(out)?, image.size[0], image.size[1]);

@@ -1,11 +1,7 @@
 //! Why can a pack not be played?
 
-use foveal_core::content::video::grid::tile_grid::Tile;
-use foveal_media::MediaError;
-use foveal_media::pack::pack_file::PackFileError;
-use foveal_media::tiles::decode_pool::TileError;
 use foveal_render::RenderError;
-use std::path::PathBuf;
+use std::error::Error;
 use thiserror::Error;
 
 /// Why a pack cannot be played, and what to do.
@@ -13,11 +9,13 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum PlayError {
     /// It cannot be read, or is damaged.
+    #[cfg(feature = "native")]
     #[error(transparent)]
-    Pack(#[from] PackFileError),
+    Pack(#[from] foveal_media::pack::pack_file::PackFileError),
     /// It cannot be decoded.
+    #[cfg(feature = "native")]
     #[error(transparent)]
-    Media(#[from] MediaError),
+    Media(#[from] foveal_media::MediaError),
     /// It cannot be drawn.
     #[error(transparent)]
     Render(#[from] RenderError),
@@ -25,36 +23,27 @@ pub enum PlayError {
     #[error("no thread can be had for decoding")]
     Thread(#[source] std::io::Error),
     /// It lacks what the policy chooses by.
-    #[error("{}: {what}", path.display())]
+    #[error("{pack}: {what}")]
     Lacks {
         /// The pack.
-        path: PathBuf,
+        pack: String,
         /// What it lacks, and what to do.
         what: &'static str,
     },
+    /// All is damaged that could be shown by itself.
+    #[error(transparent)]
+    Damaged(Box<dyn Error + Send + Sync>),
     /// A tile of the coarsest level is damaged: there is nothing to show in its place.
-    #[error("{}: frame {frame} of the coarsest level, which must be whole", path.display())]
+    #[error("{pack}: frame {frame} of the coarsest level, which must be whole")]
     Coarsest {
         /// The pack.
-        path: PathBuf,
+        pack: String,
         /// The frame.
         frame: u32,
-        /// What is wrong with the tile.
-        source: TileError,
+        /// What is damaged.
+        source: Box<dyn Error + Send + Sync>,
     },
-    /// A decoder gave another frame than it was asked for.
-    #[error(
-        "{}: asked for frame {frame} of {tile:?}, the decoder gave {number}",
-        path.display()
-    )]
-    WrongFrame {
-        /// The pack.
-        path: PathBuf,
-        /// The tile.
-        tile: Tile,
-        /// The frame that was asked for.
-        frame: u32,
-        /// The frame that came.
-        number: i64,
-    },
+    /// A decoder made something else than what it was asked for.
+    #[error(transparent)]
+    Wrong(Box<dyn Error + Send + Sync>),
 }

@@ -3,10 +3,17 @@
 //! One thread hands a decoder a few pieces at a time, so that what is wanted can change at any
 //! moment: work that has started is finished even if it is no longer wanted.
 
+use crate::at_once::Ahead;
 use crate::error::PlayError;
-use foveal_core::content::payload::Payload;
-use foveal_core::session::actions::{Cache, SessionEvent};
+use crate::options::Decoding;
+use crate::player::Player;
+use crate::supply::Supply;
+use foveal_core::content::opened::Opened;
+use foveal_core::session::decoder::{Decoded, Decoder, PackBytes};
+use foveal_core::session::session::SessionSettings;
 use foveal_core::session::unit_states::Piece;
+use foveal_media::pack::pack::Pack;
+use foveal_render::Drawer;
 use std::collections::{HashSet, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -15,31 +22,24 @@ use std::time::{Duration, Instant};
 /// The window is not woken more often than this.
 const LEAST_SLEEP: Duration = Duration::from_millis(8);
 
-/// Who makes of a piece what is drawn.
-pub(crate) trait Decoder: Send {
-    /// Asks for a piece, after all that was asked for before.
-    fn request(&mut self, piece: Piece);
-
-    /// The next piece that is done, once it is; `None` where none is under way.
-    fn receive(&mut self) -> Option<Done>;
-}
-
-/// A piece that a decoder is done with.
-#[derive(Debug)]
-pub(crate) struct Done {
-    pub(crate) piece: Piece,
-    /// Frames decoded for it, those to catch up included.
-    pub(crate) frames: u32,
-    pub(crate) payload: Result<Payload, Failure>,
-}
-
-/// Why a piece has no payload.
-#[derive(Debug)]
-pub(crate) enum Failure {
-    /// It is damaged: what a person should know.
-    Damaged(String),
-    /// The decoder does what it must not.
-    Wrong(PlayError),
+impl Player {
+    /// Plays a pack, opened on a screen, while something else goes on; `woken` is called when
+    /// something was decoded, and `tell` with what a person should know but is not an error.
+    ///
+    /// # Errors
+    /// The pack cannot be decoded.
+    pub fn live(
+        (pack, opened): (&Pack, &Opened),
+        (settings, decoding): (SessionSettings, Decoding),
+        drawer: Drawer,
+        tell: fn(&str),
+        woken: impl Fn() + Send + 'static,
+    ) -> Result<Self, PlayError> {
+        let (decoder, most) = pack.decoder(decoding.jobs, decoding.choice)?;
+        let bytes = PackBytes::new(opened.content(), pack.source());
+        let feed = Box::new(DecodeFeed::new(bytes, decoder, most, woken)?);
+        Ok(Self::new(opened.clone(), settings, drawer, feed, tell))
+    }
 }
 
 /// Decodes what is wanted, in that order.
@@ -47,9 +47,6 @@ pub(crate) enum Failure {
 pub(crate) struct DecodeFeed {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    tell: fn(&str),
-    /// Damage was reported.
-    told: bool,
 }
 
 #[derive(Debug, Default)]
@@ -63,38 +60,37 @@ struct Shared {
 struct State {
     queue: VecDeque<Piece>,
     under_way: HashSet<Piece>,
-    done: Vec<Done>,
+    done: VecDeque<Decoded>,
     stop: bool,
 }
 
 impl DecodeFeed {
     /// Begins to decode, at most `most` pieces at once; `woken` is called when something is done,
-    /// at most every 8 ms, and `tell` with what a person should know.
+    /// at most every 8 ms.
     ///
     /// # Errors
     /// No thread can be had.
-    pub(crate) fn new(
+    fn new(
+        bytes: PackBytes,
         decoder: Box<dyn Decoder>,
         most: usize,
-        tell: fn(&str),
         woken: impl Fn() + Send + 'static,
     ) -> Result<Self, PlayError> {
         let shared = Arc::new(Shared::default());
         let theirs = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
             .name("decode feed".to_owned())
-            .spawn(move || theirs.work(decoder, most, &woken))
+            .spawn(move || theirs.work(&bytes, decoder, most, &woken))
             .map_err(PlayError::Thread)?;
         Ok(Self {
             shared,
             thread: Some(thread),
-            tell,
-            told: false,
         })
     }
+}
 
-    /// From now on these are wanted, in this order, and nothing else.
-    pub(crate) fn want(&mut self, wanted: &[Piece]) {
+impl Supply for DecodeFeed {
+    fn want(&mut self, wanted: &[Piece]) {
         let mut state = self.shared.lock();
         let done: HashSet<Piece> = state.done.iter().map(|done| done.piece).collect();
         let under_way = &state.under_way;
@@ -105,34 +101,9 @@ impl DecodeFeed {
         self.shared.wake.notify_one();
     }
 
-    /// What came since the last call, for the session; what was decoded goes into the cache.
-    ///
-    /// # Errors
-    /// A decoder gave another frame than it was asked for.
-    pub(crate) fn take(
-        &mut self,
-        cache: &mut Cache<Payload>,
-    ) -> Result<Vec<SessionEvent>, PlayError> {
-        let done = std::mem::take(&mut self.shared.lock().done);
-        let events = done.into_iter().map(|done| self.event(done, cache));
-        events.collect()
-    }
-
-    fn event(&mut self, done: Done, cache: &mut Cache<Payload>) -> Result<SessionEvent, PlayError> {
-        let Done { piece, frames, .. } = done;
-        match done.payload {
-            Ok(payload) => {
-                cache.insert(piece, payload);
-                Ok(SessionEvent::Decoded { piece, frames })
-            }
-            Err(Failure::Wrong(error)) => Err(error),
-            Err(Failure::Damaged(what)) => {
-                if !std::mem::replace(&mut self.told, true) {
-                    (self.tell)(&what);
-                }
-                Ok(SessionEvent::Damaged { piece, frames })
-            }
-        }
+    /// What is not there yet is not waited for.
+    fn next(&mut self, _patience: Option<Duration>) -> Option<Decoded> {
+        self.shared.lock().done.pop_front()
     }
 }
 
@@ -152,15 +123,21 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn work(&self, mut decoder: Box<dyn Decoder>, most: usize, woken: &impl Fn()) {
-        let mut woke = Instant::now();
-        while self.order(&mut *decoder, most) {
-            let Some(done) = decoder.receive() else {
+    fn work(
+        &self,
+        bytes: &PackBytes,
+        mut decoder: Box<dyn Decoder>,
+        most: usize,
+        woken: &impl Fn(),
+    ) {
+        let (mut woke, mut ahead) = (Instant::now(), Ahead::of(bytes));
+        while self.order((bytes, &mut ahead), &mut *decoder, most) {
+            let Some(done) = decoder.receive(None) else {
                 continue;
             };
             let mut state = self.lock();
             state.under_way.remove(&done.piece);
-            state.done.push(done);
+            state.done.push_back(done);
             let over = state.queue.is_empty() && state.under_way.is_empty();
             drop(state);
             if over || woke.elapsed() >= LEAST_SLEEP {
@@ -171,7 +148,12 @@ impl Shared {
     }
 
     /// Hands the decoder what comes next, once there is something under way; `false` to stop.
-    fn order(&self, decoder: &mut dyn Decoder, most: usize) -> bool {
+    fn order(
+        &self,
+        (bytes, ahead): (&PackBytes, &mut Ahead),
+        decoder: &mut dyn Decoder,
+        most: usize,
+    ) -> bool {
         let mut state = self.lock();
         loop {
             if state.stop {
@@ -182,7 +164,8 @@ impl Shared {
                     break;
                 };
                 state.under_way.insert(piece);
-                decoder.request(piece);
+                decoder.request(piece, bytes.of(piece.unit.unit));
+                ahead.expect(piece.frame, bytes, decoder);
             }
             if !state.under_way.is_empty() {
                 return true;

@@ -1,32 +1,53 @@
 //! A pack in, pictures out: opening, choosing, fetching, decoding and drawing, without command line
 //! and window.
 //!
-//! [`Player`] makes frames one by one, for any view and gaze; [`LivePlayer`] plays while
-//! something else goes on, as a window does. Both obey a
-//! [`Session`](foveal_core::session::session::Session), which decides.
+//! [`Player`] plays any pack, natively and in a page: it obeys a
+//! [`Session`](foveal_core::session::session::Session), which decides, and is brought what that
+//! wants by a [`Supply`]. The feature `native` adds what reads files and decodes, and makes
+//! pictures one by one: [`FramePlayer`] of video, [`Player::of_scene`] of scenes.
 
 #![forbid(unsafe_code)]
 
-mod decoding;
 mod error;
-mod feed;
-mod live;
-mod look;
-mod mesh_reader;
 mod player;
-mod rendered_worth;
-mod report;
-mod scene_player;
-#[cfg(test)]
-mod scene_player_tests;
-mod step;
-mod tile_decoder;
+mod supply;
 
-pub use decoding::Decoding;
+#[cfg(feature = "native")]
+mod at_once;
+#[cfg(feature = "native")]
+mod feed;
+#[cfg(feature = "native")]
+mod frames;
+#[cfg(feature = "native")]
+mod judging;
+#[cfg(feature = "native")]
+mod making;
+#[cfg(feature = "native")]
+mod options;
+#[cfg(feature = "native")]
+mod rendered_worth;
+#[cfg(feature = "native")]
+mod report;
+#[cfg(feature = "native")]
+mod run_memory;
+#[cfg(test)]
+#[cfg(feature = "native")]
+mod scene_tests;
+#[cfg(feature = "native")]
+mod scenes;
+#[cfg(feature = "native")]
+mod watched_frame;
+
 pub use error::PlayError;
-pub use live::{LiveOptions, LivePlayer, Stepped};
-pub use look::Look;
-pub use player::{Player, PlayerOptions};
-pub use rendered_worth::worth_both_ways;
-pub use report::{ExpectedLoss, FrameReport};
-pub use scene_player::{ScenePlayer, ScenePlayerOptions, SceneReport};
+pub use player::{Player, Stepped};
+pub use supply::{Outside, Supply};
+
+#[cfg(feature = "native")]
+pub use {
+    frames::FramePlayer,
+    making::Made,
+    options::{Decoding, FrameOptions, PlayerOptions},
+    rendered_worth::worth_both_ways,
+    report::{ExpectedLoss, FrameReport},
+    watched_frame::WatchedFrame,
+};

@@ -8,9 +8,8 @@ use crate::error::PlayError;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::worth::{parameters_of_morphs, visible_errors};
 use foveal_core::content::unit::{AssetId, UnitRef};
-use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::eye::Gaze;
-use foveal_core::perception::footprints::{Footprint, Footprints};
+use foveal_core::perception::footprints::{Footprint, Footprints, Measured};
 use foveal_core::perception::importance::Onlooker;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
@@ -31,7 +30,7 @@ pub(crate) struct RenderedWorth {
     importance: Option<([u32; 2], Importance)>,
     parameters: Parameters,
     /// What was measured last, and for which moment.
-    last: Option<(Moment, Footprints)>,
+    last: Option<(Moment, Measured)>,
 }
 
 impl RenderedWorth {
@@ -46,18 +45,17 @@ impl RenderedWorth {
         }
     }
 
-    /// What each unit is worth at a moment, through the view where it is worth most, as footprints
-    /// hold it under rendered importance.
+    /// What each unit is worth at a moment, through the view where it is worth most.
     ///
     /// # Errors
     /// The device was lost.
-    pub(crate) fn footprints(&mut self, moment: &Moment) -> Result<Footprints, PlayError> {
-        if let Some((_, footprints)) = self.last.as_ref().filter(|(last, _)| {
+    pub(crate) fn measured(&mut self, moment: &Moment) -> Result<Measured, PlayError> {
+        if let Some((_, measured)) = self.last.as_ref().filter(|(last, _)| {
             last.views == moment.views
                 && last.gaze.gaze_in_content == moment.gaze.gaze_in_content
                 && last.state == moment.state
         }) {
-            return Ok(footprints.clone());
+            return Ok(measured.clone());
         }
         let mut worths: Vec<f64> = Vec::new();
         for view in &moment.views {
@@ -67,14 +65,9 @@ impl RenderedWorth {
                 *most = most.max(own);
             }
         }
-        let footprint = |(unit, worth): (u32, &f64)| Footprint {
-            unit: UnitId(unit),
-            area: (*worth as f32).max(0.0).to_bits(),
-            ..Footprint::default()
-        };
-        let footprints = Footprints::new((0..).zip(&worths).map(footprint).collect());
-        self.last = Some((moment.clone(), footprints.clone()));
-        Ok(footprints)
+        let measured = Measured::worths(&worths);
+        self.last = Some((moment.clone(), measured.clone()));
+        Ok(measured)
     }
 
     /// What each unit is worth through a view.

@@ -25,7 +25,6 @@ fn main() -> Result<(), RenderError> {
     let standing = |k: u32| DVec3::new(f64::from(k % SIDE), 0.0, -f64::from(k / SIDE)) * 3.0;
     let placements = (0..SIDE * SIDE).map(|k| DAffine3::from_translation(standing(k)));
     let objects = [SceneObject {
-        points: None,
         placements: placements.map(|it| it.to_cols_array()).collect(),
         ..object(ALL)
     }];

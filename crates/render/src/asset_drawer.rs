@@ -1,15 +1,16 @@
 //! How is an asset drawn, whatever kind of content it is?
 
 use crate::draw_device::{DrawDevice, DrawnPicture};
+use crate::drawn_scene::DrawnScene;
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::params::Overlay;
-use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::TileDrawer;
 use crate::under::Under;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::unit::UnitRef;
+use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::pack::unit::UnitId;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
 
@@ -19,6 +20,10 @@ pub(crate) enum AssetDrawer {
     Tiles(Box<TileDrawer>),
     /// Units of a scene.
     Scene(Box<DrawnScene>),
+}
+
+fn numbers(units: &[UnitRef]) -> Vec<UnitId> {
+    units.iter().map(|it| it.unit).collect()
 }
 
 impl AssetDrawer {
@@ -36,11 +41,46 @@ impl AssetDrawer {
         }
     }
 
-    /// Evicts all units but these and the coarsest level.
-    pub(crate) fn keep(&mut self, units: &[UnitRef]) {
+    /// Draws only `shown` units and the coarsest level. Of the others those stay that are
+    /// `staying`, first what is to stay longest.
+    pub(crate) fn keep(&mut self, shown: &[UnitRef], staying: &[UnitRef]) {
         match self {
-            Self::Tiles(tiles) => tiles.keep(units),
-            Self::Scene(scene) => scene.keep(&units.iter().map(|it| it.unit).collect()),
+            Self::Tiles(tiles) => tiles.keep(shown, staying),
+            Self::Scene(scene) => {
+                let shown = shown.iter().map(|it| it.unit).collect();
+                scene.keep(&shown, &numbers(staying));
+            }
+        }
+    }
+
+    /// Draws a piece again that stayed; `false` where it did not.
+    pub(crate) fn show(&mut self, piece: Piece) -> bool {
+        match self {
+            Self::Tiles(tiles) => tiles.show(piece),
+            Self::Scene(scene) => scene.show(piece.unit.unit),
+        }
+    }
+
+    /// These do not give way, until others are spared: they are about to be drawn again.
+    pub(crate) fn spare(&mut self, units: &[UnitRef]) {
+        match self {
+            Self::Tiles(tiles) => tiles.spare(units),
+            Self::Scene(scene) => scene.spare(&numbers(units)),
+        }
+    }
+
+    /// Pieces of an asset of this number that stayed and gave way since this was last asked.
+    pub(crate) fn take_evicted(&mut self, asset: AssetId) -> Vec<Piece> {
+        match self {
+            Self::Tiles(tiles) => tiles.take_evicted(asset),
+            Self::Scene(scene) => {
+                let units = scene.take_evicted().into_iter();
+                let piece = |unit| Piece {
+                    unit: UnitRef { asset, unit },
+                    frame: 0,
+                };
+                units.map(piece).collect()
+            }
         }
     }
 

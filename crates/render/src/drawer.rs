@@ -2,19 +2,20 @@
 
 use crate::asset_drawer::AssetDrawer;
 use crate::draw_device::{DrawDevice, DrawnPicture};
+use crate::drawn_scene::DrawnScene;
 use crate::error::RenderError;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
-use crate::kinds::moves;
 use crate::params::Overlay;
-use crate::scene::drawn::DrawnScene;
 use crate::tiles::drawer::{TileDrawer, TileStyle};
+use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::content::video::Video;
+use foveal_core::perception::footprints::{Footprints, Measured};
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, Now, SessionAction};
+use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
@@ -29,6 +30,13 @@ pub struct Drawer {
     assets: Vec<AssetDrawer>,
     /// Units that did not fit to what is there.
     refused: u64,
+    /// What was to be shown again and was not there.
+    evicted: Vec<Piece>,
+}
+
+fn of_asset(units: &[UnitRef], asset: AssetId) -> Vec<UnitRef> {
+    let of_asset = units.iter().filter(|unit| unit.asset == asset);
+    of_asset.copied().collect()
 }
 
 impl Drawer {
@@ -58,11 +66,28 @@ impl Drawer {
         Ok(Self::of(device, AssetDrawer::Scene(Box::new(scene))))
     }
 
+    /// Draws what was opened: tiles in a style, units of a scene in so many bytes on the GPU.
+    ///
+    /// # Errors
+    /// The device cannot hold what that needs.
+    pub fn of_opened(
+        device: &DrawDevice,
+        opened: &Opened,
+        style: TileStyle,
+        most_bytes: u64,
+    ) -> Result<Self, RenderError> {
+        match opened {
+            Opened::Video(video) => Self::new(device, video, style),
+            Opened::Scene(scene) => Self::of_scene(device, scene, most_bytes),
+        }
+    }
+
     fn of(device: &DrawDevice, asset: AssetDrawer) -> Self {
         Self {
             device: device.clone(),
             assets: vec![asset],
             refused: 0,
+            evicted: Vec::new(),
         }
     }
 
@@ -119,44 +144,55 @@ impl Drawer {
         })
     }
 
-    /// Gives a session what parts of the view units would refine, where it chooses by that: what
-    /// was measured since the last call. Begins to measure what is drawn now, where that is due.
+    /// What a session that chooses by it is to take of what parts of the view units would refine:
+    /// what was measured since the last call. Begins to measure what is drawn now, where that is
+    /// due.
     ///
     /// # Errors
     /// The device was lost, or binds no buffer for as many units.
-    pub fn measure(&mut self, session: &mut Session, moment: &Moment) -> Result<(), RenderError> {
+    pub fn measure(
+        &mut self,
+        session: &Session,
+        moment: &Moment,
+    ) -> Result<Vec<SessionEvent>, RenderError> {
+        let (mut events, mut measuring) = (Vec::new(), None);
         if !session.needs_footprints() {
-            return Ok(());
+            return Ok(events);
         }
         let is_shown = session.shown_tick().is_some();
-        let mut expects = None;
         for (asset, scene) in self.scenes() {
-            if let Some(footprints) = scene.measured()? {
-                session.see(asset, footprints);
-            }
+            events.extend(scene.measured()?.map(|seen| measured(asset, seen)));
             if is_shown && scene.is_due(moment) {
                 scene.begin_measuring(moment)?;
             }
-            expects = Some(expects.unwrap_or(false) | scene.is_measuring());
+            measuring = Some(measuring.unwrap_or(false) | scene.is_measuring());
         }
-        if let Some(expects) = expects {
-            session.expect_footprints(expects);
-        }
-        Ok(())
+        events.extend(measuring.map(|is_under_way| SessionEvent::Measuring { is_under_way }));
+        Ok(events)
     }
 
-    /// Keeps room for the pictures of these views, and returns how many bytes units may use on the
-    /// GPU next to them; `None` where nothing is bounded.
+    /// What a session is to take of how much is in use, where it asks for that.
+    pub fn count(&mut self) -> SessionEvent {
+        let tiles = self.tiles_mut();
+        let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units);
+        SessionEvent::Counted {
+            gpu_bytes: self.gpu_bytes(),
+            wrong_frame_units: wrong as u64,
+        }
+    }
+
+    /// Keeps room for the pictures of these views; what a session is to take of how many bytes
+    /// units may use on the GPU next to them, and nothing where that is not bounded.
     ///
     /// # Errors
     /// The device was lost.
-    pub fn expect(&mut self, views: &[EyeView]) -> Result<Option<u64>, RenderError> {
+    pub fn expect(&mut self, views: &[EyeView]) -> Result<Option<SessionEvent>, RenderError> {
         let mut least = None;
         for (_, scene) in self.scenes() {
             let room = scene.expect(views)?;
             least = least.into_iter().chain(room).min();
         }
-        Ok(least)
+        Ok(least.map(|bytes| SessionEvent::GpuRoom { bytes }))
     }
 
     /// Makes a piece resident.
@@ -172,12 +208,30 @@ impl Drawer {
         Ok(())
     }
 
-    /// Evicts all units but these and the coarsest level.
-    pub fn keep(&mut self, units: &[UnitRef]) {
+    /// Draws only `shown` units and the coarsest level. Of the others those stay that are
+    /// `staying`, first what is to stay longest, each after those that it needs.
+    pub fn keep(&mut self, shown: &[UnitRef], staying: &[UnitRef]) {
         for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
-            let of_asset = units.iter().filter(|unit| unit.asset == asset);
-            drawer.keep(&of_asset.copied().collect::<Vec<_>>());
+            drawer.keep(&of_asset(shown, asset), &of_asset(staying, asset));
         }
+    }
+
+    /// Draws a piece again that stayed; one that did not is reported as evicted.
+    fn show(&mut self, piece: Piece) -> bool {
+        let asset = self.assets.get_mut(usize::from(piece.unit.asset.0));
+        let is_there = asset.is_some_and(|asset| asset.show(piece));
+        self.evicted.extend((!is_there).then_some(piece));
+        is_there
+    }
+
+    /// What a session is to take before its next step of what gave way to something else; `None`
+    /// where nothing did.
+    pub fn take_evicted(&mut self) -> Option<SessionEvent> {
+        let mut evicted = std::mem::take(&mut self.evicted);
+        for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
+            evicted.extend(drawer.take_evicted(asset));
+        }
+        (!evicted.is_empty()).then_some(SessionEvent::Evicted(evicted))
     }
 
     /// Does what of a session's actions is drawing, with the payloads that were kept for it, for a
@@ -195,6 +249,7 @@ impl Drawer {
         now: &Now,
     ) -> Result<(bool, Vec<SessionAction>), RenderError> {
         let (mut changed, mut left, mut came) = (false, Vec::new(), Vec::new());
+        self.spare(&actions);
         for action in actions {
             match action {
                 SessionAction::BeginFrame(frame) => {
@@ -203,9 +258,8 @@ impl Drawer {
                 }
                 SessionAction::Upload(piece) => {
                     if let Some(payload) = cache.take(piece) {
-                        let moves = moves(payload.view());
                         match self.upload(piece, payload) {
-                            Ok(()) => came.extend(moves.then_some(piece.unit)),
+                            Ok(()) => came.push(piece.unit),
                             // What is damaged so that it does not fit is left coarse.
                             Err(error) if error.is_of_unit() => self.refused += 1,
                             Err(other) => return Err(other),
@@ -213,8 +267,13 @@ impl Drawer {
                         changed = true;
                     }
                 }
-                SessionAction::Keep(units) => {
-                    self.keep(&units);
+                SessionAction::Show(piece) => {
+                    let is_shown = self.show(piece);
+                    came.extend(is_shown.then_some(piece.unit));
+                    changed = true;
+                }
+                SessionAction::Keep { shown, staying } => {
+                    self.keep(&shown, &staying);
                     changed = true;
                 }
                 SessionAction::Drop(piece) => drop(cache.take(piece)),
@@ -223,10 +282,23 @@ impl Drawer {
         }
         for (asset, scene) in self.scenes() {
             let came = came.iter().filter(|unit| unit.asset == asset);
-            let came: Vec<_> = came.map(|unit| unit.unit).collect();
+            let came = came.map(|it| it.unit).filter(|unit| scene.morphs(*unit));
+            let came: Vec<_> = came.collect();
             changed |= scene.morph(&came, now);
         }
         Ok((changed, left))
+    }
+
+    /// What is to be shown again does not give way to what comes before.
+    fn spare(&mut self, actions: &[SessionAction]) {
+        let shown = actions.iter().filter_map(|action| match action {
+            SessionAction::Show(piece) => Some(piece.unit),
+            _ => None,
+        });
+        let shown: Vec<UnitRef> = shown.collect();
+        for (asset, drawer) in (0..).map(AssetId).zip(&mut self.assets) {
+            drawer.spare(&of_asset(&shown, asset));
+        }
     }
 
     /// From now on source frame `frame` of videos is shown.
@@ -323,15 +395,19 @@ impl Drawer {
     /// The device was lost, or binds no buffer for as many units.
     pub fn measure_now(
         &mut self,
-        session: &mut Session,
+        session: &Session,
         moment: &Moment,
-    ) -> Result<(), RenderError> {
+    ) -> Result<Vec<SessionEvent>, RenderError> {
         let is_shown = session.needs_footprints() && session.shown_tick().is_some();
-        for (asset, scene) in self.scenes().filter(|_| is_shown) {
-            if scene.is_due(moment) {
-                session.see(asset, scene.footprints(moment)?);
-            }
-        }
-        Ok(())
+        let due = self
+            .scenes()
+            .filter(|(_, scene)| is_shown && scene.is_due(moment));
+        due.map(|(asset, scene)| Ok(measured(asset, scene.footprints(moment)?)))
+            .collect()
     }
+}
+
+fn measured(asset: AssetId, footprints: Footprints) -> SessionEvent {
+    let measured = Measured::Footprints(footprints);
+    SessionEvent::Measured { asset, measured }
 }

@@ -16,7 +16,6 @@ use crate::twin::scene::layer::TwinLayer;
 use crate::twin::scene::meshes::TwinMeshes;
 use crate::twin::scene::points::TwinPoints;
 use crate::twin::shared::pages::TwinPages;
-use foveal_core::content::payload::PayloadView;
 use foveal_core::content::scene::description::{SceneObject, SceneTexture};
 use std::sync::Arc;
 
@@ -34,10 +33,12 @@ impl SceneLayer {
         most_bytes: u64,
     ) -> Result<Self, RenderError> {
         let pages = PageLayer::new(gpu, textures, objects, most_bytes)?;
-        let placements = Arc::new(Placements::new(objects, pages.table()));
+        let placements = Arc::new(Placements::new(objects, |number, object| {
+            pages.table().place_of(number, object)
+        }));
         let meshes = MeshLayer::new(gpu, objects, &placements)?;
         let mut layers: Vec<Box<dyn KindLayer>> = vec![Box::new(pages), Box::new(meshes)];
-        if objects.iter().any(|it| it.points.is_some()) {
+        if objects.iter().any(|it| it.shape.cloud().is_some()) {
             layers.push(Box::new(PointLayer::new(gpu, objects)?));
         }
         Self::of_layers(gpu, layers, placements, most_bytes)
@@ -49,17 +50,13 @@ impl TwinScene {
     #[must_use]
     pub fn new(objects: &[SceneObject], textures: &[SceneTexture]) -> Self {
         let pages = TwinPages::new(textures, objects);
-        let placements = Arc::new(Placements::new(objects, &pages.table));
+        let placements = Arc::new(Placements::new(objects, |number, object| {
+            pages.table.place_of(number, object)
+        }));
         let meshes = TwinMeshes::new(objects.len(), &placements);
         let points = TwinPoints::new(objects);
         let layers: Vec<Box<dyn TwinLayer>> =
             vec![Box::new(pages), Box::new(meshes), Box::new(points)];
         Self::of_layers(layers, placements)
     }
-}
-
-/// Whether units of this kind are on their way once they are there, and change by that what is
-/// measured: points and pages do not move.
-pub(crate) fn moves(payload: PayloadView<'_>) -> bool {
-    matches!(payload, PayloadView::Mesh(_))
 }

@@ -30,7 +30,6 @@ const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures
 const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
 const DEPTHS: &str = include_str!("../shaders/shared/depths.wgsl");
 const HALVE_DEPTHS: &str = include_str!("../shaders/halve_depths.wgsl");
-const DRAW_POINTS: &str = include_str!("../shaders/draw_points.wgsl");
 const MARK_UNITS: &str = include_str!("../shaders/mark_units.wgsl");
 const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
 const DRAW_CLUSTERS: &str = include_str!("../shaders/draw_clusters.wgsl");
@@ -164,30 +163,24 @@ pub fn reduce_source() -> Shader {
     }
 }
 
-/// The pass that draws clusters of meshes: their colours, or which units would refine them.
+/// A pass that draws a kind of a scene's units: its own texts behind those that all read.
 #[must_use]
-pub fn draw_clusters() -> Shader {
+pub fn of_units(name: &'static str, steps: &'static [[&'static str; 2]], texts: &[&str]) -> Shader {
     Shader {
-        name: "draw_clusters",
-        steps: &[
-            ["place_corner", "draw_clusters"],
-            ["place_corner", "draw_refiners"],
-        ],
-        text: [SCENE, RAMP, PAGES, DRAW_CLUSTERS].join("\n"),
+        name,
+        steps,
+        text: [&[SCENE, RAMP], texts].concat().join("\n"),
     }
 }
 
-/// The pass that draws points of clouds: their colours, or which units would refine them.
+/// The pass that draws clusters of meshes: their colours, or which units would refine them.
 #[must_use]
-pub fn draw_points() -> Shader {
-    Shader {
-        name: "draw_points",
-        steps: &[
-            ["place_splat", "draw_points"],
-            ["place_splat", "draw_point_refiners"],
-        ],
-        text: [SCENE, RAMP, DRAW_POINTS].join("\n"),
-    }
+pub fn draw_clusters() -> Shader {
+    let steps = &[
+        ["place_corner", "draw_clusters"],
+        ["place_corner", "draw_refiners"],
+    ];
+    of_units("draw_clusters", steps, &[PAGES, DRAW_CLUSTERS])
 }
 
 /// The pass that paints what units are worth over what they would refine.

@@ -472,7 +472,7 @@ fn whatever_draws_is_given_the_same_units_and_shows_the_same_picture() {
         torus
             .coming()
             .for_each(|it| assert!(drawer.upload(&it).unwrap()));
-        drawer.keep(&HashSet::from([UnitId(2)]));
+        drawer.keep(&HashSet::from([UnitId(2)]), &[]);
         let under = Under::default();
         let draws_on_gpu = matches!(device, DrawDevice::Gpu(_));
         assert_eq!(

@@ -9,14 +9,14 @@ use foveal_render::twin::TwinScene;
 use foveal_render::{Coming, Culling, Gpu, RgbaImage, SceneLayer, SceneStyle};
 use std::collections::{BTreeMap, HashSet};
 
-const SIZE: [u32; 2] = [192, 128];
-const MOST_BYTES: u64 = 16 << 20;
+pub(crate) const SIZE: [u32; 2] = [192, 128];
+pub(crate) const MOST_BYTES: u64 = 16 << 20;
 
 /// A root, two units that refine parts of it, and one that refines a part of the first of these.
-struct Units([MeshUnit; 4]);
+pub(crate) struct Units([MeshUnit; 4]);
 
 impl Units {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let first = refinement(&[5, 6]);
         let above = halved(&first);
         Self([root(), first, refinement(&[9, 13, 8]), above])
@@ -36,7 +36,7 @@ impl Units {
         ]
     }
 
-    fn on_gpu(&self, gpu: &Gpu, count: usize) -> SceneLayer {
+    pub(crate) fn on_gpu(&self, gpu: &Gpu, count: usize) -> SceneLayer {
         let mut layer = SceneLayer::new(gpu, &[object(ALL)], &[], MOST_BYTES).unwrap();
         let units = self.all();
         units[..count]
@@ -45,7 +45,7 @@ impl Units {
         layer
     }
 
-    fn in_memory(&self) -> TwinScene {
+    pub(crate) fn in_memory(&self) -> TwinScene {
         let mut twin = TwinScene::new(&[object(ALL)], &[]);
         self.all().iter().for_each(|it| twin.upload(it).unwrap());
         twin

@@ -68,6 +68,16 @@ fn a_cloud_is_drawn_as_by_its_twin_coarse_and_refined_and_coarse_again() {
         assert_alike(name, &mut layer, &twin, &style);
     }
     assert!(share_beyond(&coarse, &layer.picture(&in_front(), &style).unwrap(), 2) > 0.02);
+    let refined = layer.picture(&in_front(), &style).unwrap();
+    let (bytes, twin_refined) = (layer.gpu_bytes(), twin.picture(&in_front(), &style));
+    layer.keep(&HashSet::new(), &[FINE]);
+    twin.keep(&HashSet::new(), &[FINE]);
+    assert_eq!(layer.picture(&in_front(), &style).unwrap(), coarse);
+    assert_alike("hidden", &mut layer, &twin, &style);
+    assert!(layer.show(FINE) && twin.show(FINE));
+    assert_eq!(layer.picture(&in_front(), &style).unwrap(), refined);
+    assert_eq!(twin.picture(&in_front(), &style), twin_refined);
+    assert_eq!(layer.gpu_bytes(), bytes);
     layer.retain(&HashSet::new());
     assert_eq!(layer.picture(&in_front(), &style).unwrap(), coarse);
 }

@@ -63,6 +63,56 @@ fn exactly_the_wanted_tiles_stay() {
 }
 
 #[test]
+fn tiles_that_stay_are_not_shown_until_they_are_shown_again() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let fine = scene.finest();
+    let mut renderer = scene.on_gpu(&gpu, &fine);
+    let mut twin = scene.in_memory(&fine);
+    let view = EyeView::filling(&scene.grid.surface, [512, 256]);
+    let (all, all_levels) = (
+        renderer.reconstruct(&view).unwrap(),
+        twin.level_map().to_vec(),
+    );
+    renderer.tiles().keep(&fine[..1], &fine[1..]);
+    twin.keep(&fine[..1], &fine[1..]);
+    let mut alone = scene.on_gpu(&gpu, &fine[..1]);
+    let expected = alone.reconstruct(&view).unwrap();
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+    assert_eq!(renderer.tiles().level_map(), twin.level_map());
+    assert_eq!(twin.level_map(), scene.in_memory(&fine[..1]).level_map());
+    for tile in &fine[1..] {
+        assert!(renderer.tiles().show(*tile) && twin.show(*tile));
+    }
+    assert_eq!(renderer.reconstruct(&view).unwrap(), all);
+    assert_eq!(twin.level_map(), all_levels);
+}
+
+#[test]
+fn tiles_that_stay_give_way_before_the_atlas_grows() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let grid = TileGrid::new(flat([4096, 2048]), Cut::Tile(512), 3, 2).unwrap();
+    let mut renderer = Renderer::new(&gpu, &grid, FULL, 2).unwrap();
+    let tiles = renderer.tiles();
+    tiles.begin_frame(1);
+    let bytes = tiles.gpu_bytes();
+    let fine: Vec<Tile> = grid.tiles_of(0).take(4).collect();
+    let picture = Picture::filled(512, 512, [90, 128, 128]);
+    // The coarsest level takes two of the first four slots.
+    for tile in &fine[..2] {
+        tiles.upload(*tile, 1, &picture).unwrap();
+    }
+    tiles.keep(&[], &fine[..2]);
+    tiles.spare(&fine[1..2]);
+    tiles.upload(fine[2], 1, &picture).unwrap();
+    assert_eq!(tiles.take_evicted(), [(fine[0], 1)]);
+    assert!(tiles.show(fine[1]) && !tiles.show(fine[0]));
+    assert_eq!(tiles.gpu_bytes(), bytes);
+    tiles.upload(fine[3], 1, &picture).unwrap();
+    assert!(tiles.gpu_bytes() > bytes);
+}
+
+#[test]
 fn the_atlas_grows_to_its_bound_and_then_reuses_the_oldest_slot() {
     let gpu = Gpu::open_blocking().unwrap();
     let grid = TileGrid::new(flat([4096, 2048]), Cut::Tile(512), 3, 2).unwrap();

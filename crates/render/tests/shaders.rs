@@ -4,12 +4,13 @@ use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
 use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
 use foveal_render::points::params::{CloudViewParams, CubeParams};
+use foveal_render::points::pass::draw_points;
 use foveal_render::scene::footprints::GazedParams;
 use foveal_render::scene::params::{HalvingParams, PlacementParams, SceneParams};
 use foveal_render::shaders::{
-    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, draw_points, footprints,
-    halve_depths, importance, interpolate_sparse, mark_units, overlay, reconstruct,
-    reconstruct_textures, reduce_source, warp,
+    Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, footprints, halve_depths,
+    importance, interpolate_sparse, mark_units, overlay, reconstruct, reconstruct_textures,
+    reduce_source, warp,
 };
 use foveal_render::warp::params::{BlendParams, PanelParams, SightParams, WarpParams};
 use naga::proc::Layouter;

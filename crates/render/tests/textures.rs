@@ -223,18 +223,24 @@ fn evicted_pages_are_drawn_coarser_again_and_their_place_is_used_anew() {
     let style = SceneStyle::default();
     let root = UnitId(0);
     let mut bytes = Vec::new();
-    for wanted in [
+    let ranges = [
         0..scene.pages.len(),
         0..3,
         1..6,
         0..scene.pages.len(),
         4..5,
         0..0,
-    ] {
+    ];
+    let all: Vec<UnitId> = scene.pages.iter().map(|it| it.unit).collect();
+    // What is not wanted goes, and in a second round stays where it lies.
+    let rounds = ranges.iter().map(|range| (range, &all[..0]));
+    let rounds = rounds.chain(ranges.iter().map(|range| (range, &all[1..])));
+    for (wanted, staying) in rounds {
+        let wanted = wanted.clone();
         let wanted: HashSet<UnitId> = scene.pages[wanted].iter().map(|it| it.unit).collect();
         let with_root: HashSet<UnitId> = wanted.iter().copied().chain([root]).collect();
-        layer.retain(&with_root);
-        twin.retain(&with_root);
+        layer.keep(&with_root, staying);
+        twin.keep(&with_root, staying);
         for page in &scene.pages {
             let is_needed = wanted.contains(&page.unit)
                 || scene

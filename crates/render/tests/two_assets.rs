@@ -1,12 +1,13 @@
 //! Do a video and a scene share one picture, and one budget?
 
+use crate::common::playing::play;
 use crate::common::share_beyond;
 use crate::common::torus::{ALL, object, refinement, root};
 use crate::made_video::Made;
 use foveal_core::content::demand::Content;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
-use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::{
     KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
@@ -19,9 +20,7 @@ use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{HEADER_BYTES, Header};
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, Now, Pace, SessionEvent};
-use foveal_core::session::bounds::Bounds;
-use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::actions::{Now, Pace, SessionAction};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
@@ -142,43 +141,25 @@ fn played(device: &DrawDevice, bytes_per_s: f64) -> ([u64; 2], RgbaImage, RgbaIm
     let scene = scene(&units);
     let video = Made::new(Projection::Flat, [256, 256], 64).build().unwrap();
     let contents: [Arc<dyn Content>; 2] = [Arc::clone(&video) as _, Arc::clone(&scene) as _];
-    let settings = SessionSettings {
-        policy: PolicyConfig::new(Policy::Uniform),
-        bytes_per_s: Some(bytes_per_s),
-        since: Some(Seconds(0.0)),
-        zooms: false,
-        measures: false,
-        bounds: Bounds::default(),
-    };
-    let mut session = Session::new(contents.to_vec(), settings);
     let style = TileStyle::default();
     let alone = || Drawer::new(device, &video, style).unwrap();
     let of_scene = Drawer::of_scene(device, &scene, 1 << 24).unwrap();
     let mut drawers = [alone().then(of_scene), alone()];
-    let mut cache = Cache::default();
-    let mut fetched = [0_u64; 2];
-    for step in 0..STEPS {
-        let now = now(step);
-        let actions = session.step(&now);
-        let (_, _) = drawers[0].perform(actions, &mut cache, &now).unwrap();
-        for piece in session.requested().to_vec() {
-            let asset = usize::from(piece.unit.asset.0);
-            let content = &contents[asset];
-            if !content.base(piece.frame).contains(&piece.unit.unit) {
-                let unit = content.unit(piece.unit.unit);
-                fetched[asset] += u64::from(unit.bytes.unwrap());
+    let steps: Vec<Now> = (0..STEPS).map(now).collect();
+    let payload = |piece| payload(&video, &units, piece);
+    let link = (Policy::Uniform, bytes_per_s);
+    let fetched = play(&contents, link, &steps, payload, |actions, cache, now| {
+        for action in &actions {
+            match action {
+                SessionAction::Upload(piece) if piece.unit.asset == VIDEO => {
+                    drawers[1].upload(*piece, payload(*piece)).unwrap();
+                }
+                _ => {}
             }
-            if piece.unit.asset == VIDEO {
-                let shown = payload(&video, &units, piece);
-                drawers[1].upload(piece, shown).unwrap();
-            }
-            cache.insert(piece, payload(&video, &units, piece));
-            session.take(SessionEvent::Decoded { piece, frames: 1 });
         }
-        let spent = fetched.iter().sum::<u64>() as f64;
-        let most = bytes_per_s * (f64::from(step + 1) * STEP_S + 8.0);
-        assert!(spent <= most, "step {step}: {spent} of {most} bytes");
-    }
+        let (_, _) = drawers[0].perform(actions, cache, now).unwrap();
+        drawers[0].take_evicted()
+    });
     let view = now(0).moment.views[0];
     let [both, video] = drawers.each_mut().map(|drawer| {
         let picture = drawer.picture(&view, None).unwrap();

@@ -81,7 +81,7 @@ fn processor_seconds() -> f64 {
 }
 
 fn sizes(built: &Built) {
-    let leaves: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
+    let leaves: u64 = built.objects.iter().map(|it| it.shape.samples()).sum();
     let bytes: usize = built.units.iter().map(|it| it.payload.len()).sum();
     let needs: usize = built.units.iter().map(|it| it.row.needs.len()).sum();
     let roots = built
@@ -150,7 +150,7 @@ fn decode(built: &Built) -> f64 {
     let parsed = built.units.iter();
     let parsed = parsed.map(|it| MeshUnit::parse(&it.payload, attributes, &it.row.replaces));
     let triangles: usize = parsed.flatten().map(|it| it.triangles()).sum();
-    let leaves: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
+    let leaves: u64 = built.objects.iter().map(|it| it.shape.samples()).sum();
     // As seconds for the leaf triangles alone: of all triangles these are about half.
     start.elapsed().as_secs_f64() * leaves as f64 / triangles as f64
 }

@@ -38,6 +38,56 @@ pub struct SourceScene {
 }
 
 impl SourceScene {
+    /// Whether nothing stands in it.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.objects.is_empty() && self.clouds.is_empty()
+    }
+
+    /// The places of each thing that stands in it.
+    pub(crate) fn placements(&self) -> impl Iterator<Item = &Vec<DAffine3>> {
+        let objects = self.objects.iter().map(|it| &it.placements);
+        objects.chain(self.clouds.iter().map(|it| &it.placements))
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn placements_mut(&mut self) -> impl Iterator<Item = &mut Vec<DAffine3>> {
+        let objects = self.objects.iter_mut().map(|it| &mut it.placements);
+        objects.chain(self.clouds.iter_mut().map(|it| &mut it.placements))
+    }
+
+    /// For each thing, in the same order, its name and how far from the origin of its space it
+    /// reaches along each axis, at most.
+    pub(crate) fn reaches(&self) -> impl Iterator<Item = (&str, DVec3)> {
+        let reach = |mesh: &SourceMesh| {
+            let all = mesh.positions.iter();
+            all.fold(DVec3::ZERO, |reach, position| reach.max(position.abs()))
+        };
+        let reach: Vec<DVec3> = self.meshes.iter().map(reach).collect();
+        let objects = self.objects.iter();
+        let objects = objects.map(move |it| (it.name.as_str(), reach[it.mesh]));
+        objects.chain(self.clouds.iter().map(|it| (it.name.as_str(), it.reach())))
+    }
+
+    /// Where each vertex and point is in the world, wherever it stands.
+    pub(crate) fn places(&self) -> impl Iterator<Item = DVec3> {
+        let objects = self.objects.iter().flat_map(|object| {
+            let positions = &self.meshes[object.mesh].positions;
+            let each = move |it: &DAffine3| {
+                let it = *it;
+                positions.iter().map(move |at| it.transform_point3(*at))
+            };
+            object.placements.iter().flat_map(each)
+        });
+        let clouds = self.clouds.iter().flat_map(|cloud| {
+            let each = move |it: &DAffine3| {
+                let it = *it;
+                (0..cloud.places.len()).map(move |at| it.transform_point3(cloud.at(at)))
+            };
+            cloud.placements.iter().flat_map(each)
+        });
+        objects.chain(clouds)
+    }
+
     /// Puts all of another scene next to what stands here.
     pub(crate) fn append(&mut self, other: Self) {
         let (meshes, materials) = (self.meshes.len(), self.materials.len());

@@ -1,51 +1,32 @@
 //! What does a page learn about a pack?
 
-use crate::pack_in_parts::{Head, PackInParts};
+use crate::opening::OpenPack;
+use crate::pack_in_parts::PackInParts;
 use foveal_core::content::demand::Content;
+use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::scene::demand::why_not;
 use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::sound::SOUND;
-use foveal_core::pack::{HEADER_BYTES, Header, PackError};
 use foveal_core::view::surface::{Projection, Screen};
 use serde_json::{Value, json};
 
-/// Bytes from the beginning of a pack that hold its header and description, by its first 64.
-pub fn head_bytes(beginning: &[u8]) -> Result<u64, String> {
-    let header = Header::parse(beginning).map_err(|error| error.to_string())?;
-    Ok(header.data_offset().max(HEADER_BYTES as u64))
-}
-
-/// First byte and length of every stretch of the file that [`PackInParts::open`] needs besides
-/// the head.
-pub fn opening(head: &[u8]) -> Result<Vec<f64>, String> {
-    let stretches = Head::read(head).and_then(|(header, head)| head.stretches(&header));
-    let stretches = stretches.map_err(|error| error.to_string())?;
-    let stretches = stretches.iter();
-    Ok(stretches
-        .flat_map(|it| [it.start as f64, (it.end - it.start) as f64])
-        .collect())
-}
-
-/// The `PackFacts` of `web/src/engine/api.ts`, as JSON, of a pack that begins with these bytes;
-/// refuses what is no pack.
-pub fn about(head: &[u8]) -> Result<String, String> {
-    let told = |error: PackError| error.to_string();
-    let (header, read) = Head::read(head).map_err(told)?;
-    let facts = match read {
-        Head::Video(_) => {
-            let pack = PackInParts::open(head, &[], "", Screen::default()).map_err(told)?;
-            let has_sound = pack.table_place(SOUND).is_some();
-            pack.content
-                .video()
-                .map(|video| about_video(video, has_sound))
-        }
-        Head::Scene(about) => Some(about_scene(&about)),
+/// What is known of an open pack, as JSON: part of `PackFacts` of `web/src/engine/api.ts`.
+pub fn about(pack: &OpenPack) -> String {
+    let parts = PackInParts::new(pack, "", Screen::default());
+    let mut facts = match &parts.content {
+        Opened::Video(video) => about_video(video, parts.table_to_come(SOUND).is_some()),
+        Opened::Scene(scene) => about_scene(scene.pack().description()),
     };
-    let mut facts = facts.unwrap_or_default();
-    facts["bytes"] = header.file_bytes.into();
-    Ok(facts.to_string())
+    for kind in UnitKind::shapes() {
+        let scene = parts.content.scene();
+        let count = scene.map_or(0, |it| it.pack().description().samples_of(kind));
+        facts[kind.facts().samples()] = count.into();
+    }
+    facts["bytes"] = pack.header.file_bytes.into();
+    facts.to_string()
 }
 
 fn about_video(video: &Video, has_sound: bool) -> Value {
@@ -70,8 +51,6 @@ fn about_video(video: &Video, has_sound: bool) -> Value {
         "hasSound": has_sound,
         "name": about.source.name,
         "policies": policies,
-        "triangles": 0,
-        "points": 0,
         "fullRange": about.colour.full_range,
     })
 }
@@ -92,8 +71,6 @@ fn about_scene(about: &SceneDescription) -> Value {
         "hasSound": false,
         "name": about.source.names.join(", "),
         "policies": policies,
-        "triangles": about.triangles(),
-        "points": about.points(),
     })
 }
 
@@ -114,16 +91,16 @@ mod tests {
     }
 
     #[test]
+    fn the_page_lists_what_scenes_consist_of() {
+        let api = include_str!("../../../web/src/engine/api.ts");
+        let samples: Vec<String> = UnitKind::shapes().map(|it| it.facts().samples()).collect();
+        assert_eq!(listed(api, "SAMPLES = ["), samples);
+    }
+
+    #[test]
     fn the_page_lists_the_policies_that_there_are() {
         let api = include_str!("../../../web/src/engine/api.ts");
         let names: Vec<&str> = page_policies().map(Policy::name).collect();
         assert_eq!(listed(api, "POLICIES = ["), names);
-        let courier = include_str!("../../../web/src/engine/courier.ts");
-        let valued = |policy: &Policy| policy.has_target();
-        let mut names: Vec<&str> = page_policies().filter(valued).map(Policy::name).collect();
-        let mut listed = listed(courier, "VALUED: readonly PolicyName[] = [");
-        names.sort_unstable();
-        listed.sort_unstable();
-        assert_eq!(listed, names);
     }
 }

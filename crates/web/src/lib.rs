@@ -11,13 +11,16 @@
     )
 )]
 
+mod arriving;
 mod facts;
+mod gaze_source;
 mod headset_eye;
-mod looking;
 mod needs;
+mod opening;
 mod options;
 mod pack_in_parts;
 mod page_player;
+mod stretches;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -29,7 +32,8 @@ mod pixel_canvas;
 #[cfg(target_arch = "wasm32")]
 mod show;
 
-pub use facts::{about, head_bytes, opening};
-pub use needs::{Kind, ROW};
+pub use facts::about;
+pub use opening::{OpenPack, Opening};
 pub use options::Options;
 pub use page_player::{PagePlayer, flag};
+pub use stretches::{Arrival, Need, Part, PictureNeed};

@@ -42,9 +42,9 @@ pub struct Options {
     /// Keep a session log.
     #[serde(default)]
     pub log: bool,
-    /// Draw without a graphics device.
+    /// Only show what comes first: no side table is fetched for it.
     #[serde(default)]
-    pub software: bool,
+    pub poster: bool,
 }
 
 /// As `foveal view --fov`.

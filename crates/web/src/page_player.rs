@@ -2,21 +2,23 @@
 //!
 //! Time comes in as an argument, in seconds of the page's clock.
 
+use crate::gaze_source::PageGazeSource;
 use crate::headset_eye::EyeRequest;
-use crate::looking::Looking;
+use crate::opening::OpenPack;
 use crate::options::Options;
 use crate::pack_in_parts::PackInParts;
+use crate::stretches::Fetching;
 use foveal_core::content::asked::{Detail, next_target};
 use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::unit::{AssetId, UnitRef};
+use foveal_core::content::unit::AssetId;
 use foveal_core::content::video::calibration::density_of;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::moment::Moment;
-use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
-use foveal_core::session::session::{Session, SessionSettings};
+use foveal_core::session::actions::SessionEvent;
+use foveal_core::session::session::SessionSettings;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
@@ -24,7 +26,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::flight::Steering;
 use foveal_core::view::navigation::{Pane, Shown};
 use foveal_core::view::surface::Screen;
-use foveal_render::{DrawDevice, Drawer, Gpu, Overlay, RenderError, TileDrawer};
+use foveal_play::{Outside, PlayError, Player, Stepped};
+use foveal_render::{DrawDevice, Gpu, Overlay, RenderError};
 
 /// A log grows no longer than this, in bytes.
 const MOST_LOG: usize = 64 << 20;
@@ -49,12 +52,11 @@ pub mod flag {
     pub const HOPELESS: u32 = 32;
 }
 
-/// A session with what draws for it on a page, and its viewer.
+/// A pack that plays on a page, and its viewer.
 pub struct PagePlayer {
     pub(crate) pack: PackInParts,
-    pub(crate) session: Session,
-    cache: Cache<Payload>,
-    pub(crate) drawer: Drawer,
+    /// What plays it: what the page decodes is handed over.
+    pub(crate) play: Player,
     detail: Detail,
     log: Option<String>,
     /// A line was left out.
@@ -62,11 +64,13 @@ pub struct PagePlayer {
     bytes_per_s: f64,
     /// Time begins with the first picture on the canvas.
     pub(crate) viewer: Viewer,
-    pub(crate) looking: Looking,
+    pub(crate) looking: PageGazeSource,
     size: [u32; 2],
     screen_size: [u32; 2],
     screen: Screen,
     pub(crate) coarse: bool,
+    pub(crate) is_poster: bool,
+    pub(crate) fetching: Fetching,
     pub(crate) levels_shown: bool,
     /// What the eyes of a headset asked for last, and when.
     eyes: [Option<EyeView>; 2],
@@ -74,16 +78,9 @@ pub struct PagePlayer {
 }
 
 impl PagePlayer {
-    /// A session with a pack of which `head` is there, and `rest` as [`opening`](crate::opening)
-    /// asks for it; without a device the CPU twin draws.
-    pub fn new(
-        head: &[u8],
-        rest: &[u8],
-        options: &Options,
-        gpu: Option<Gpu>,
-    ) -> Result<Self, String> {
-        let pack = PackInParts::open(head, rest, &options.name, options.screen);
-        let pack = pack.map_err(|error| error.to_string())?;
+    /// A session with an open pack; without a device the CPU twin draws.
+    pub fn new(pack: &OpenPack, options: &Options, gpu: Option<Gpu>) -> Result<Self, String> {
+        let pack = PackInParts::new(pack, &options.name, options.screen);
         let device = gpu.map_or(DrawDevice::Twin, DrawDevice::Gpu);
         let drawer = pack.drawer(&device);
         let navigation = pack.navigation(options);
@@ -93,11 +90,13 @@ impl PagePlayer {
             bytes_per_s: Some(FIRST_GUESS),
             since: None,
             zooms: true,
-            measures: pack.content.video().is_none(),
+            measures: pack.content.facts().is_measured,
             bounds: pack.bounds(),
         };
-        let session = Session::new(vec![pack.content.content()], settings);
-        refuse_policy(&pack, &session, session.policy())?;
+        let drawer = drawer.map_err(|error| error.to_string())?;
+        let opened = pack.content.clone();
+        let play = Player::new(opened, settings, drawer, Box::new(Outside), |_| ());
+        refuse_policy(&play, play.session().policy())?;
         let viewer = ViewerSettings {
             plays: !options.paused,
             at_end: match options.once {
@@ -107,20 +106,20 @@ impl PagePlayer {
             holds_early: false,
         };
         Ok(Self {
-            session,
-            cache: Cache::default(),
-            drawer: drawer.map_err(|error| error.to_string())?,
+            play,
             detail,
             log: options.log.then(String::new),
             log_is_full: false,
             bytes_per_s: FIRST_GUESS,
             viewer: Viewer::new(navigation, viewer),
             pack,
-            looking: Looking::default(),
+            looking: PageGazeSource::default(),
             size: options.size,
             screen_size: options.screen_size,
             screen: options.screen,
             coarse: options.coarse,
+            is_poster: options.poster,
+            fetching: Fetching::default(),
             levels_shown: false,
             eyes: [None; 2],
             asked: f64::NEG_INFINITY,
@@ -139,34 +138,38 @@ impl PagePlayer {
 
     /// Plays from where it is, or from the beginning once it ended.
     pub fn play(&mut self, now: Seconds) {
-        self.viewer.play(&mut self.session, now);
+        self.viewer.play(self.play.session_mut(), now);
     }
 
     /// Stays at the frame that is on screen.
     pub fn pause(&mut self, now: Seconds) {
-        self.viewer.pause(&self.session, now);
+        self.viewer.pause(self.play.session(), now);
     }
 
     /// Goes on from another time of the content.
     pub fn seek(&mut self, to: Seconds, now: Seconds) {
-        self.viewer.seek(&mut self.session, to, now);
+        self.viewer.seek(self.play.session_mut(), to, now);
     }
 
     /// Pauses, and goes this many frames on or back.
     pub fn step_frames(&mut self, frames: i64, now: Seconds) {
-        self.viewer.step_frames(&mut self.session, frames, now);
+        self.viewer
+            .step_frames(self.play.session_mut(), frames, now);
     }
 
     /// Keeps to what is heard, a time of a round.
     pub fn heard(&mut self, heard: Seconds, now: Seconds) {
-        self.viewer.hear(&self.session, Heard::InRound(heard), now);
+        self.viewer
+            .hear(self.play.session(), Heard::InRound(heard), now);
     }
 
     /// Chooses by another policy; says why where that cannot be.
     pub fn set_policy(&mut self, policy: Policy) -> Result<(), String> {
         let config = self.detail.of(policy);
-        refuse_policy(&self.pack, &self.session, &config)?;
-        self.session.change_policy(config);
+        refuse_policy(&self.play, &config)?;
+        self.play
+            .session_mut()
+            .take(SessionEvent::PolicyChosen(Box::new(config)));
         Ok(())
     }
 
@@ -175,7 +178,7 @@ impl PagePlayer {
     #[must_use]
     pub fn cheaper_policy(&self) -> Option<Policy> {
         let video = self.pack.content.video()?;
-        let target = self.session.policy().target?;
+        let target = self.play.session().policy().target?;
         let density = density_of(&video.grid().surface, &self.shown().view);
         let (rule, _) = video.calibration()?.cheaper(target, Some(density))?;
         Some(Policy::judged_for(rule))
@@ -184,16 +187,18 @@ impl PagePlayer {
     /// Chooses at another detail.
     pub fn set_detail(&mut self, detail: Detail) {
         self.detail = detail;
-        let config = detail.of(self.session.policy().policy);
-        if self.session.can(&config) {
-            self.session.change_policy(config);
+        let config = detail.of(self.play.session().policy().policy);
+        if self.play.session().can(&config) {
+            self.play
+                .session_mut()
+                .take(SessionEvent::PolicyChosen(Box::new(config)));
         }
     }
 
     /// Goes so many target scores on, or back; what is chosen for then, or nothing where the policy
     /// has no target.
     pub fn next_target(&mut self, by: i32) -> Option<Detail> {
-        let PolicyConfig { policy, target, .. } = self.session.policy();
+        let PolicyConfig { policy, target, .. } = self.play.session().policy();
         let has = policy.has_target();
         let next = has.then(|| Detail::Target(next_target(*target, by)))?;
         self.set_detail(next);
@@ -205,7 +210,9 @@ impl PagePlayer {
         let other = (bytes_per_s / self.bytes_per_s - 1.0).abs() > 0.05;
         if bytes_per_s.is_finite() && bytes_per_s > 0.0 && other {
             self.bytes_per_s = bytes_per_s;
-            self.session.set_bytes_per_s(bytes_per_s);
+            self.play
+                .session_mut()
+                .take(SessionEvent::LinkRate { bytes_per_s });
         }
     }
 
@@ -218,7 +225,7 @@ impl PagePlayer {
     /// What draws, for people.
     #[must_use]
     pub fn device_name(&self) -> &str {
-        match self.drawer.device() {
+        match self.play.drawer().device() {
             DrawDevice::Gpu(gpu) => gpu.adapter_name(),
             DrawDevice::Twin | DrawDevice::Nothing => "the processor",
         }
@@ -226,7 +233,7 @@ impl PagePlayer {
 
     /// The graphics device, where one draws.
     pub(crate) fn gpu(&self) -> Option<Gpu> {
-        match self.drawer.device() {
+        match self.play.drawer().device() {
             DrawDevice::Gpu(gpu) => Some(gpu.clone()),
             DrawDevice::Twin | DrawDevice::Nothing => None,
         }
@@ -234,46 +241,16 @@ impl PagePlayer {
 
     /// Starts over on another device.
     pub fn recover(&mut self, gpu: Gpu) -> Result<(), RenderError> {
-        self.drawer = self.pack.drawer(&DrawDevice::Gpu(gpu))?;
-        self.session.take(SessionEvent::DeviceLost);
+        let drawer = self.pack.drawer(&DrawDevice::Gpu(gpu))?;
+        self.play.recover(drawer);
         Ok(())
     }
 
     /// Takes what was decoded of a frame of a unit, for which so many frames were decoded; `None`
     /// where it is damaged.
     pub fn deliver(&mut self, unit: u32, frame: u32, frames: u32, decoded: Option<Payload>) {
-        let unit = UnitRef {
-            asset: AssetId::ONLY,
-            unit: UnitId(unit),
-        };
-        let piece = Piece { unit, frame };
-        let event = match decoded {
-            Some(payload) => {
-                self.cache.insert(piece, payload);
-                SessionEvent::Decoded { piece, frames }
-            }
-            None => SessionEvent::Damaged { piece, frames },
-        };
-        self.session.take(event);
-    }
-
-    /// Reads a chunk that [`Kind::Whole`](crate::Kind::Whole) asked for; says what is damaged of
-    /// it, and has taken nothing then.
-    pub fn deliver_whole(&mut self, unit: u32, chunk: &[u8]) -> Result<(), String> {
-        let payload = self.pack.payload(UnitId(unit), chunk);
-        let payload = payload.map_err(|error| error.to_string())?;
-        self.deliver(unit, 0, 1, Some(payload));
-        Ok(())
-    }
-
-    /// Takes a side table; the frames' times count from now on.
-    pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
-        if let Some(video) = self.pack.content.video() {
-            let added = video.add_table(name, bytes);
-            added.map_err(|error| error.to_string())?;
-            self.session.take(SessionEvent::TableLoaded);
-        }
-        Ok(())
+        let unit = AssetId::ONLY.unit(UnitId(unit));
+        self.play.take(Piece { unit, frame }, frames, decoded);
     }
 
     /// Flies, or no longer flies, through a scene along a direction of the head: to the right, up
@@ -294,17 +271,17 @@ impl PagePlayer {
 
     /// Whether the content moves.
     pub fn is_moving(&self) -> bool {
-        self.viewer.is_moving(&self.session)
+        self.viewer.is_moving(self.play.session())
     }
 
     /// Time of the content, within a round.
     pub fn time(&self, now: Seconds) -> Seconds {
-        self.session.timeline().within(self.viewer.time(now))
+        self.play.session().timeline().within(self.viewer.time(now))
     }
 
     /// Looks where the viewer looks and moves the session on; returns bits of [`flag`].
-    pub fn step(&mut self, now: Seconds) -> Result<u32, RenderError> {
-        let mut told = if self.viewer.stay_at_the_end(&self.session, now) {
+    pub fn step(&mut self, now: Seconds) -> Result<u32, PlayError> {
+        let mut told = if self.viewer.stay_at_the_end(self.play.session(), now) {
             flag::ENDED
         } else {
             0
@@ -312,58 +289,32 @@ impl PagePlayer {
         let pane = self.pane();
         self.viewer.navigation.fly_on(&pane, now);
         let moment = self.look(now, &pane);
-        if let Some(bytes) = self.drawer.expect(&moment.views)? {
-            self.session.bound_gpu(bytes);
-        }
-        self.drawer.measure(&mut self.session, &moment)?;
-        let step = self.viewer.now(&self.session, &moment, now);
-        let actions = self.session.step(&step);
-        let (mut changed, wants) = self.obey(actions, &step)?;
-        // What came is measured while the next picture is awaited.
-        self.drawer.measure(&mut self.session, &moment)?;
-        self.viewer.set_morphing(self.drawer.is_morphing());
+        let step = self.viewer.now(self.play.session(), &moment, now);
+        let Stepped {
+            mut changed,
+            wants,
+            log,
+            ..
+        } = self.play.step(&step)?;
+        self.write(&log);
+        self.viewer.set_morphing(self.play.drawer().is_morphing());
         changed |= self.viewer.stepped(moment, &pane, self.levels_shown);
-        if changed && self.session.shown_tick().is_some() {
+        if changed && self.play.session().shown_tick().is_some() {
             told |= flag::DRAW;
         }
         if wants {
             told |= flag::WANTS;
         }
-        if self.session.is_hopeless() {
+        if self.play.session().is_hopeless() {
             told |= flag::HOPELESS;
         }
         if self.is_settled() {
             told |= flag::SETTLED;
         }
-        if self.viewer.next_step(&self.session, now).is_some() || self.looking.moves() {
+        if self.viewer.next_step(self.play.session(), now).is_some() || self.looking.moves() {
             told |= flag::AGAIN;
         }
         Ok(told)
-    }
-
-    /// Does what the session asks for; returns whether the picture changed, and whether other
-    /// units are wanted.
-    fn obey(
-        &mut self,
-        actions: Vec<SessionAction>,
-        step: &Now,
-    ) -> Result<(bool, bool), RenderError> {
-        let (changed, left) = self.drawer.perform(actions, &mut self.cache, step)?;
-        let mut wants = false;
-        for action in left {
-            match action {
-                SessionAction::Want(_) => wants = true,
-                SessionAction::Log(lines) => self.write(&lines),
-                SessionAction::Count => {
-                    let tiles = self.drawer.tiles_mut();
-                    let wrong = tiles.map_or(0, TileDrawer::wrong_frame_units) as u64;
-                    self.session.figures.wrong_frame_units += wrong;
-                    self.session.figures.gpu_bytes = self.drawer.gpu_bytes();
-                }
-                _ => {}
-            }
-        }
-        Ok((changed, wants))
     }
 
     fn write(&mut self, lines: &str) {
@@ -377,7 +328,7 @@ impl PagePlayer {
     }
 
     fn look(&mut self, now: Seconds, pane: &Pane) -> Moment {
-        let perception = &self.session.policy().perception;
+        let perception = &self.play.session().policy().perception;
         match self.eyes {
             [Some(left), right] if now.0 - self.asked < HEADSET_HOLDS_S => {
                 let head = HeadPose::of(&left.axes);
@@ -390,7 +341,7 @@ impl PagePlayer {
 
     /// Whether nothing on screen is going to change by itself, or it plays.
     pub fn is_settled(&self) -> bool {
-        self.viewer.is_settled(&self.session)
+        self.viewer.is_settled(self.play.session())
     }
 
     /// What of the canvas is picture, and what it shows.
@@ -424,20 +375,17 @@ impl PagePlayer {
 
     /// What is to be shown was drawn in this many seconds.
     pub fn drawn(&mut self, seconds: f64) {
-        self.viewer.drawn(&mut self.session, Some(Seconds(seconds)));
+        self.viewer
+            .drawn(self.play.session_mut(), Some(Seconds(seconds)));
     }
 }
 
 /// Says why a pack cannot be chosen by a policy.
-fn refuse_policy(
-    pack: &PackInParts,
-    session: &Session,
-    config: &PolicyConfig,
-) -> Result<(), String> {
-    if let Some(why) = pack.content.why_not(config.policy) {
+fn refuse_policy(play: &Player, config: &PolicyConfig) -> Result<(), String> {
+    if let Some(why) = play.opened().why_not(config.policy) {
         return Err(format!("policy {}: {why}", config.policy.name()));
     }
-    match session.can(config) {
+    match play.session().can(config) {
         true => Ok(()),
         false => Err("the pack has no tables for this policy; prepare it again".to_owned()),
     }

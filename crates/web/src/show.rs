@@ -5,6 +5,7 @@
 
 use crate::device_canvas::DeviceCanvas;
 use crate::headset_eye::EyeRequest;
+use crate::opening::{OpenPack, Opening};
 use crate::options::Options;
 use crate::page_player::PagePlayer;
 use crate::pixel_canvas::PixelCanvas;
@@ -12,7 +13,6 @@ use foveal_core::content::asked;
 use foveal_core::content::asked::Detail;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::Policy;
-use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::sound::SoundTable;
 use foveal_core::gaze::sample::HeadPose;
 use foveal_core::pack::unit::UnitId;
@@ -21,6 +21,7 @@ use foveal_core::view::picture::{Picture, plane_size};
 use foveal_core::view::surface::Eye;
 use foveal_render::{DrawnPicture, Gpu};
 use js_sys::{Array, Uint8Array};
+use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use wasm_bindgen::prelude::{JsError, JsValue, wasm_bindgen};
@@ -32,26 +33,60 @@ fn refused(error: impl std::fmt::Display) -> JsError {
     JsError::new(&error.to_string())
 }
 
-/// Bytes from the beginning of a pack that hold its header and description, by its first 64.
-#[wasm_bindgen(js_name = headBytes)]
-#[allow(unreachable_pub, reason = "exported to the page")]
-pub fn head_bytes(beginning: &[u8]) -> Outcome<f64> {
-    let bytes = crate::facts::head_bytes(beginning).map_err(refused)?;
-    Ok(bytes as f64)
+fn json(value: &impl Serialize) -> Outcome<String> {
+    serde_json::to_string(value).map_err(refused)
 }
 
-/// What is known of a pack that begins with these bytes, as JSON.
+/// A pack that is being opened.
 #[wasm_bindgen]
-#[allow(unreachable_pub, reason = "exported to the page")]
-pub fn about(head: &[u8]) -> Outcome<String> {
-    crate::facts::about(head).map_err(refused)
+#[derive(Default)]
+pub struct Pack {
+    opening: Opening,
 }
 
-/// First byte and length of every stretch that [`Show::open`] needs besides the head.
 #[wasm_bindgen]
-#[allow(unreachable_pub, reason = "exported to the page")]
-pub fn opening(head: &[u8]) -> Outcome<Vec<f64>> {
-    crate::facts::opening(head).map_err(refused)
+impl Pack {
+    /// None of it has come.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// What to fetch, as [`Show::needs`].
+    pub fn needs(&self) -> Outcome<String> {
+        json(&self.opening.needs())
+    }
+
+    /// Takes a stretch of the file, as [`Show::arrived`]; refuses what is damaged.
+    pub fn arrived(&mut self, offset: f64, bytes: &[u8]) -> Outcome<String> {
+        let arrival = self.opening.arrived(offset as u64, bytes);
+        json(&arrival.map_err(refused)?)
+    }
+
+    /// Bytes of the file, once its header says so.
+    #[wasm_bindgen(js_name = fileBytes)]
+    pub fn file_bytes(&self) -> Option<f64> {
+        self.opening.file_bytes().map(|bytes| bytes as f64)
+    }
+
+    /// Whether all has come that is needed to show it.
+    #[wasm_bindgen(js_name = isOpen)]
+    pub fn is_open(&self) -> bool {
+        self.opening.open().is_some()
+    }
+
+    /// What is known of it, as JSON.
+    pub fn about(&self) -> Outcome<String> {
+        self.open().map(crate::facts::about)
+    }
+}
+
+impl Pack {
+    fn open(&self) -> Outcome<&OpenPack> {
+        self.opening
+            .open()
+            .ok_or_else(|| refused("the pack is not open"))
+    }
 }
 
 /// A pack on a canvas.
@@ -82,32 +117,28 @@ async fn open_gpu() -> Outcome<(Gpu, Arc<AtomicBool>)> {
 
 #[wasm_bindgen]
 impl Show {
-    /// Opens a device, or none where `software` is asked for, and shows the pack that begins with
-    /// `head`, with what [`opening`] asks for in `rest`, one after the other.
-    pub async fn open(
+    /// Shows an open pack on a canvas; without a device the CPU twin draws.
+    #[wasm_bindgen(constructor)]
+    pub fn new(
         canvas: OffscreenCanvas,
-        head: Vec<u8>,
-        rest: Vec<u8>,
-        options: String,
-    ) -> Outcome<Show> {
-        let options = Options::parse(&options).map_err(refused)?;
-        let (gpu, lost) = if options.software {
-            (None, Arc::default())
-        } else {
-            let (gpu, lost) = open_gpu().await?;
-            (Some(gpu), lost)
-        };
-        let player = PagePlayer::new(&head, &rest, &options, gpu).map_err(refused)?;
-        let target = if options.software {
-            Target::Pixels(PixelCanvas::new(canvas).map_err(refused)?)
-        } else {
+        pack: &Pack,
+        device: Option<Device>,
+        options: &str,
+    ) -> Outcome<Self> {
+        let options = Options::parse(options).map_err(refused)?;
+        let (gpu, lost) = device.map(|device| (device.gpu, device.lost)).unzip();
+        let is_drawn = gpu.is_some();
+        let player = PagePlayer::new(pack.open()?, &options, gpu).map_err(refused)?;
+        let target = if is_drawn {
             Target::Device(DeviceCanvas::new(canvas).map_err(refused)?)
+        } else {
+            Target::Pixels(PixelCanvas::new(canvas).map_err(refused)?)
         };
         Ok(Self {
             player,
             target,
             headset: None,
-            lost,
+            lost: lost.unwrap_or_default(),
         })
     }
 
@@ -141,58 +172,30 @@ impl Show {
         self.player.step(Seconds(now)).map_err(refused)
     }
 
-    /// What to fetch and decode, in rows of ten numbers.
-    pub fn needs(&self) -> Vec<f64> {
-        self.player.needs()
+    /// What to fetch, decode and hand over, first what matters most: a list of `Need` of
+    /// `web/src/engine/needs.ts`, as JSON.
+    pub fn needs(&mut self) -> Outcome<String> {
+        json(&self.player.needs())
     }
 
-    /// Takes a page of the index.
-    #[wasm_bindgen(js_name = addPage)]
-    pub fn add_page(&self, page: u32, bytes: &[u8]) -> Outcome<()> {
-        let index = self.video()?.pack().index();
-        index.add_page(page, bytes).map_err(refused)
+    /// Takes a stretch of the file that came, and says in JSON what there is to do for it: an
+    /// `Arrival` of `web/src/engine/needs.ts`. Refuses once what is damaged for good.
+    pub fn arrived(&mut self, offset: f64, bytes: &[u8]) -> Outcome<String> {
+        let arrival = self.player.arrived(offset as u64, bytes);
+        json(&arrival.map_err(refused)?)
     }
 
-    /// A page of the index is damaged: the units that it covers cannot be loaded.
-    #[wasm_bindgen(js_name = failPage)]
-    pub fn fail_page(&self, page: u32) {
-        if let Some(video) = self.player.pack.content.video() {
-            video.fail_page(page);
-        }
-    }
-
-    /// First byte and length of a side table; nothing where there is none.
-    #[wasm_bindgen(js_name = tablePlace)]
-    pub fn table_place(&self, name: &str) -> Vec<f64> {
-        let place = self.player.pack.table_place(name);
-        place.map_or(Vec::new(), |place| {
-            vec![place.start as f64, (place.end - place.start) as f64]
-        })
-    }
-
-    /// Takes a side table.
-    #[wasm_bindgen(js_name = addTable)]
-    pub fn add_table(&mut self, name: &str, bytes: Vec<u8>) -> Outcome<()> {
-        self.player.add_table(name, bytes).map_err(refused)
-    }
-
-    /// A side table cannot be had.
-    #[wasm_bindgen(js_name = failTable)]
-    pub fn fail_table(&self, name: &str) {
-        if let Some(video) = self.player.pack.content.video() {
-            video.fail_table(name);
-        }
-    }
-
-    /// Lengths of the access units at the end of a chunk; refuses a damaged one.
-    pub fn lengths(&self, unit: u32, chunk: &[u8]) -> Outcome<Vec<u32>> {
-        let lengths = self.video()?.lengths(UnitId(unit), chunk);
-        lengths.map_err(refused)
+    /// Whether side tables by which the policy chooses are still to come.
+    #[wasm_bindgen(js_name = awaitsTables)]
+    pub fn awaits_tables(&self) -> bool {
+        self.player.awaits_tables()
     }
 
     /// Takes the planes of a frame of a unit, one after the other without gaps.
     pub fn deliver(&mut self, unit: u32, frame: u32, decoded: u32, planes: &[u8]) -> Outcome<()> {
-        let video = self.video()?;
+        let Some(video) = self.player.pack.content.video() else {
+            return Err(refused("a scene has no such parts"));
+        };
         let [width, height] = video.grid().tile_size(video.pack().tile_of(UnitId(unit)));
         let sizes = [0, 1, 2].map(|plane| {
             let [w, h] = plane_size(width, height, plane);
@@ -216,12 +219,6 @@ impl Show {
         Ok(())
     }
 
-    /// Takes the chunk of a unit as it is; refuses a damaged one.
-    #[wasm_bindgen(js_name = deliverWhole)]
-    pub fn deliver_whole(&mut self, unit: u32, chunk: &[u8]) -> Outcome<()> {
-        self.player.deliver_whole(unit, chunk).map_err(refused)
-    }
-
     /// A frame of a unit cannot be had.
     pub fn fail(&mut self, unit: u32, frame: u32) {
         self.player.deliver(unit, frame, 0, None);
@@ -233,14 +230,22 @@ impl Show {
         let size = self.player.pane().size;
         match (self.player.gpu(), &mut self.target) {
             (Some(gpu), Target::Device(canvas)) => {
-                let picture = self.player.drawer.draw(&shown.view, marks.as_ref());
+                let picture = self
+                    .player
+                    .play
+                    .drawer_mut()
+                    .draw(&shown.view, marks.as_ref());
                 if let Some(picture) = picture.map_err(refused)? {
                     canvas.show(&gpu, picture, shown.origin, size);
                 }
                 Ok(())
             }
             (None, Target::Pixels(canvas)) => {
-                let read = self.player.drawer.read(&shown.view, marks.as_ref());
+                let read = self
+                    .player
+                    .play
+                    .drawer_mut()
+                    .read(&shown.view, marks.as_ref());
                 match read.map_err(refused)? {
                     Some(DrawnPicture::Here(picture)) => {
                         canvas.show(&picture, shown.origin, size).map_err(refused)
@@ -276,7 +281,11 @@ impl Show {
     /// The picture as it is drawn: a promise of [width, height, RGBA bytes].
     pub fn pixels(&mut self) -> Outcome<js_sys::Promise> {
         let (shown, marks) = (self.player.shown(), self.player.marks());
-        let read = self.player.drawer.read(&shown.view, marks.as_ref());
+        let read = self
+            .player
+            .play
+            .drawer_mut()
+            .read(&shown.view, marks.as_ref());
         let read = read.map_err(refused)?;
         let read = read.ok_or_else(|| refused("nothing draws"))?;
         Ok(wasm_bindgen_futures::future_to_promise(async move {
@@ -312,7 +321,7 @@ impl Show {
         };
         let view = self.player.eye_view(&request, Seconds(now));
         let view = view.ok_or_else(|| refused("invalid eye pose or field"))?;
-        if self.player.session.shown_tick().is_none() {
+        if self.player.play.session().shown_tick().is_none() {
             return Ok(false);
         }
         if self.headset.is_none() {
@@ -321,7 +330,12 @@ impl Show {
         let Some(gpu) = self.player.gpu() else {
             return Ok(false);
         };
-        let picture = self.player.drawer.draw(&view, None).map_err(refused)?;
+        let picture = self
+            .player
+            .play
+            .drawer_mut()
+            .draw(&view, None)
+            .map_err(refused)?;
         if let (Some(headset), Some(picture)) = (&mut self.headset, picture) {
             headset.show(&gpu, picture, [0, 0], view.size);
         }
@@ -494,21 +508,16 @@ impl Show {
     }
 
     /// Channels, samples before sample 0, samples of a packet, packets, then number of the first
-    /// packet of a stretch of time and the packets; nothing where there is no sound yet.
+    /// packet of a stretch of time and the packets; empty where there is no sound, and nothing
+    /// while it is still to come.
     #[wasm_bindgen(js_name = soundPackets)]
-    pub fn sound_packets(&self, from: f64, to: f64) -> Array {
+    pub fn sound_packets(&mut self, from: f64, to: f64) -> Option<Array> {
+        if self.player.awaits_sound() {
+            return None;
+        }
         let video = self.player.pack.content.video();
         let sound = video.and_then(|video| video.sound());
-        sound.map_or_else(Array::new, |sound| stretch(sound, from, to))
-    }
-}
-
-impl Show {
-    fn video(&self) -> Outcome<&Video> {
-        let video = self.player.pack.content.video();
-        video
-            .map(|video| &**video)
-            .ok_or_else(|| refused("a scene has no such parts"))
+        Some(sound.map_or_else(Array::new, |sound| stretch(sound, from, to)))
     }
 }
 

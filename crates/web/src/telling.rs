@@ -3,17 +3,17 @@
 use crate::page_player::PagePlayer;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::yaw_pitch_from_direction;
-use foveal_render::DrawnScene;
 use serde_json::json;
 
 impl PagePlayer {
     /// The part of the `Stats` of `web/src/engine/api.ts` that is known here, as JSON.
     pub fn stats(&self, now: Seconds) -> String {
-        let figures = &self.session.figures;
+        let figures = self.play.session().figures();
         let head = self.viewer.navigation.head();
-        let timeline = self.session.timeline();
+        let timeline = self.play.session().timeline();
         let frame = self
-            .session
+            .play
+            .session()
             .shown_tick()
             .map(|tick| timeline.frame_of(tick));
         let shown = self.shown();
@@ -29,9 +29,9 @@ impl PagePlayer {
         let place = place.map(|place| [0, 1].map(|k| place[k] + f64::from(shown.origin[k])));
         let [fps, upload] = figures.rates(now);
         json!({
-            "policy": self.session.policy().policy,
-            "target": self.session.policy().target,
-            "expectedScore": self.session.expected_jod(),
+            "policy": self.play.session().policy().policy,
+            "target": self.play.session().policy().target,
+            "expectedScore": self.play.session().expected_jod(),
             "playing": self.viewer.is_playing(),
             "time": self.time(now).0,
             "frame": frame,
@@ -51,7 +51,7 @@ impl PagePlayer {
             "settled": self.is_settled(),
             "headDeg": [head.yaw.to_degrees(), head.pitch.to_degrees(), head.roll.to_degrees()],
             "position": shown.view.position.to_array(),
-            "trianglesDrawn": self.drawer.scene().map_or(0, DrawnScene::triangles_drawn),
+            "trianglesDrawn": self.play.triangles_drawn(),
             "zoom": self.viewer.navigation.zoom(),
             "fovDeg": self.viewer.navigation.field().to_degrees(),
             "scale": self.viewer.navigation.scale(&self.pane()),

@@ -2,10 +2,10 @@
 //!
 //! Whole sessions without a browser: the CPU twin shows, the test is the host and the decoder.
 
-use crate::needs::{Kind, ROW};
+use crate::opening::{OpenPack, Opening};
 use crate::options::Options;
 use crate::page_player::{PagePlayer, flag};
-use foveal_core::content::opened::Opened;
+use crate::stretches::{Arrival, Need, Part};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::video::Video;
 use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
@@ -13,7 +13,7 @@ use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
+use foveal_core::pack::{PackError, SideTable};
 use foveal_core::units::Seconds;
 use foveal_core::view::picture::{Colour, Matrix, Picture};
 use foveal_core::view::surface::{Projection, Screen};
@@ -104,31 +104,49 @@ impl Host {
     }
 
     fn player_by(&self, policy: &str, options: &str) -> PagePlayer {
-        let header = Header::parse(&self.file).unwrap();
-        let head = &self.file[..HEADER_BYTES + header.description_bytes as usize];
         let text = format!(
             r#"{{"name":"a","policy":"{policy}","size":{SIZE:?},"screenSize":{SIZE:?}{options}}}"#
         );
         let options = Options::parse(&text).unwrap();
-        PagePlayer::new(head, &[], &options, None).unwrap()
+        let pack = open_pack(&self.file).unwrap();
+        PagePlayer::new(&pack, &options, None).unwrap()
     }
 
-    /// Answers everything that is asked for.
+    /// Answers everything that is waited for.
     fn answer(&self, player: &mut PagePlayer) {
-        for row in rows(player) {
-            let from = row.offset as usize;
-            let bytes = &self.file[from..from + row.bytes as usize];
-            if row.kind == Kind::Page as u8 {
-                let pack = video(player).pack();
-                pack.index().add_page(row.number, bytes).unwrap();
-            } else if row.kind == Kind::Picture as u8 {
-                let unit = UnitId(row.number);
-                let lengths = video(player).lengths(unit, bytes).unwrap();
-                assert!(!lengths.is_empty() && lengths.iter().all(|length| *length == 5));
-                deliver(player, unit, row.frame);
-            }
+        let needs = player.needs().to_vec();
+        for need in needs.iter().filter(|need| !need.early) {
+            let arrival = player.arrived(need.offset, stretch(&self.file, need));
+            let Arrival::Decode(edges) = arrival.unwrap() else {
+                continue;
+            };
+            let picture = need.picture.unwrap();
+            assert_eq!(edges.len() as u32, picture.frames + 1);
+            assert_eq!(u64::from(*edges.last().unwrap()), need.bytes);
+            assert!(edges.windows(2).all(|edges| edges[1] - edges[0] == 5));
+            deliver(player, picture.unit, picture.frame);
         }
     }
+}
+
+/// The bytes of a stretch of a file.
+fn stretch<'a>(file: &'a [u8], need: &Need) -> &'a [u8] {
+    &file[need.offset as usize..][..need.bytes as usize]
+}
+
+/// Gives a pack all that it needs until it is open.
+fn open_pack(file: &[u8]) -> Result<OpenPack, PackError> {
+    let mut opening = Opening::default();
+    while opening.open().is_none() {
+        for need in opening.needs() {
+            assert_eq!(
+                opening.arrived(need.offset, stretch(file, &need))?,
+                Arrival::More
+            );
+        }
+    }
+    assert_eq!(opening.file_bytes(), Some(file.len() as u64));
+    Ok(opening.open().unwrap().clone())
 }
 
 fn video(player: &PagePlayer) -> &Arc<Video> {
@@ -142,27 +160,11 @@ fn deliver(player: &mut PagePlayer, unit: UnitId, frame: u32) {
     player.deliver(unit.0, frame, 1, Some(Payload::Picture(picture)));
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    kind: u8,
-    number: u32,
-    offset: u64,
-    bytes: u32,
-    frame: u32,
-    level: u8,
-}
-
-fn rows(player: &PagePlayer) -> Vec<Row> {
-    let needs = player.needs();
-    let row = |row: &[f64]| Row {
-        kind: row[0] as u8,
-        number: row[1] as u32,
-        offset: row[2] as u64,
-        bytes: row[3] as u32,
-        frame: row[4] as u32,
-        level: row[9] as u8,
+fn tile(player: &PagePlayer, need: &Need) -> Tile {
+    let Part::Unit(unit) = need.part else {
+        panic!("{need:?} is no tile");
     };
-    needs.chunks_exact(ROW).map(row).collect()
+    video(player).pack().tile_of(unit)
 }
 
 /// Steps and answers until nothing is missing; how many rounds that took.
@@ -182,19 +184,19 @@ fn the_index_is_asked_for_first_and_the_coarsest_level_before_the_others() {
     let host = Host::new();
     let mut player = host.player(r#","paused":true"#);
     player.step(Seconds(0.0)).unwrap();
-    let first = rows(&player);
-    assert!(first.iter().all(|row| row.kind == Kind::Page as u8));
+    let first = player.needs();
+    assert!(first.iter().all(|need| matches!(need.part, Part::Page(_))));
     assert_eq!(
         first.len(),
         3,
         "a page a level, so that no saccade waits for one"
     );
     host.answer(&mut player);
-    let then = rows(&player);
-    assert!(then.iter().all(|row| row.kind == Kind::Picture as u8));
-    assert_eq!(then[0].level, 2);
-    let finer = then.iter().skip(1).map(|row| row.level);
-    assert_eq!(finer.collect::<HashSet<u8>>(), HashSet::from([0]));
+    let then = player.needs().to_vec();
+    assert!(then.iter().all(|need| need.picture.is_some()));
+    let levels: Vec<u8> = then.iter().map(|need| tile(&player, need).level).collect();
+    assert_eq!(levels[0], 2);
+    assert!(levels[1..].iter().all(|level| *level == 0));
 }
 
 #[test]
@@ -202,11 +204,11 @@ fn a_still_view_settles_in_two_answers_and_a_zoomed_one_asks_only_for_what_is_ne
     let host = Host::new();
     let mut player = host.player(r#","paused":true,"log":true"#);
     assert!(settle(&host, &mut player, 0.0) <= 4);
-    assert!(rows(&player).is_empty());
-    assert_eq!(player.session.figures.histogram[0], 160);
+    assert!(player.needs().is_empty());
+    assert_eq!(player.play.session().figures().histogram[0], 160);
     player.step_frames(1, Seconds(1.0));
     settle(&host, &mut player, 1.0);
-    assert_eq!(player.session.figures.frames, 2);
+    assert_eq!(player.play.session().figures().frames, 2);
     assert!(player.log().lines().count() >= 3);
 }
 
@@ -215,11 +217,20 @@ fn a_damaged_page_leaves_the_coarser_picture_and_settles() {
     let host = Host::new();
     let mut player = host.player(r#","paused":true"#);
     player.step(Seconds(0.0)).unwrap();
-    let finest = rows(&player).iter().map(|row| row.number).max().unwrap();
-    video(&player).fail_page(finest);
+    let finest = player.needs().last().unwrap().clone();
+    assert_eq!(finest.part, Part::Page(2));
+    let damaged = vec![0; finest.bytes as usize];
+    let again = player.arrived(finest.offset, &damaged);
+    assert_eq!(again, Ok(Arrival::Again));
+    let told = player.arrived(finest.offset, &damaged).unwrap_err();
+    assert!(told.contains("index page 2"), "{told}");
+    // It is said once.
+    let told = player.arrived(finest.offset, &damaged);
+    assert_eq!(told, Ok(Arrival::Taken));
+    assert!(!player.needs().contains(&finest));
     settle(&host, &mut player, 0.0);
-    assert_eq!(player.session.figures.histogram[0], 0);
-    assert!(player.session.figures.damaged_units > 0);
+    assert_eq!(player.play.session().figures().histogram[0], 0);
+    assert!(player.play.session().figures().damaged_units > 0);
 }
 
 #[test]
@@ -230,11 +241,12 @@ fn with_coarse_privacy_a_host_sees_blocks_and_never_which_tile_of_one() {
     player.viewer.navigation.zoom_by(6.0, [100.0, 60.0], &pane);
     player.step(Seconds(0.0)).unwrap();
     host.answer(&mut player);
+    let needs = player.needs().to_vec();
     let shelf = video(&player);
-    let asked: Vec<Tile> = rows(&player)
+    let asked: Vec<Tile> = needs
         .iter()
-        .filter(|row| row.level < 2)
-        .map(|row| shelf.pack().tile_of(UnitId(row.number)))
+        .map(|need| tile(&player, need))
+        .filter(|tile| tile.level < 2)
         .collect();
     let set: HashSet<Tile> = asked.iter().copied().collect();
     assert!(!set.is_empty());
@@ -262,18 +274,10 @@ fn while_it_plays_the_next_groups_are_asked_for_ahead() {
     }
     player.viewer.begin(Seconds(0.006));
     player.step(Seconds(0.006)).unwrap();
-    let ahead: Vec<Row> = rows(&player)
-        .into_iter()
-        .filter(|row| row.kind == Kind::Bytes as u8)
-        .collect();
-    let shelf = video(&player);
-    let groups: HashSet<u32> = ahead
-        .iter()
-        .map(|row| shelf.pack().frames_of(UnitId(row.number)).start)
-        .collect();
+    let units: Vec<UnitId> = player.needs().iter().filter_map(|it| it.ahead).collect();
+    let first = |unit: &UnitId| video(&player).pack().frames_of(*unit).start;
+    let groups: HashSet<u32> = units.iter().map(first).collect();
     assert!(groups.contains(&4) && groups.contains(&8), "{groups:?}");
-    let frames: Vec<u32> = ahead.iter().map(|row| row.frame).collect();
-    assert!(frames.iter().any(|frame| *frame >= 4));
 }
 
 #[test]
@@ -286,7 +290,7 @@ fn time_begins_with_the_first_picture_however_long_that_takes() {
     }
     assert!(player.viewer.is_playing() && !player.is_moving());
     assert_eq!(player.time(Seconds(9.0)), Seconds(0.0));
-    assert_eq!(player.session.shown_tick(), Some(0));
+    assert_eq!(player.play.session().shown_tick(), Some(0));
     player.viewer.begin(Seconds(9.0));
     assert!((player.time(Seconds(9.1)).0 - 0.1).abs() < 1e-9);
 }
@@ -302,4 +306,40 @@ fn a_gaze_record_rules_and_what_is_none_is_refused() {
     let [yaw, pitch] = [0, 1].map(|k| stats["gazeDeg"][k].as_f64().unwrap());
     assert!((yaw - 5.0).abs() < 1e-6 && (pitch + 2.0).abs() < 1e-6);
     assert!(player.looking.take(b"{}", Seconds(0.1)).is_err());
+}
+
+/// The script of the page names the fields as they are written.
+#[test]
+fn the_page_reads_what_is_written_to_it() {
+    let script = [
+        include_str!("../../../web/src/engine/bytes.ts"),
+        include_str!("../../../web/src/engine/plan.ts"),
+        include_str!("../../../web/src/engine/decoders.ts"),
+        include_str!("../../../web/src/engine/needs.ts"),
+    ];
+    let script = script.concat();
+    let host = Host::new();
+    let mut player = host.player("");
+    player.step(Seconds(0.0)).unwrap();
+    host.answer(&mut player);
+    let need = player.needs()[0].clone();
+    let need = Need {
+        ahead: need.picture.map(|picture| picture.unit),
+        ..need
+    };
+    let written = serde_json::to_value(&need).unwrap();
+    for object in [&written, &written["picture"]] {
+        for name in object.as_object().unwrap().keys() {
+            let [given, left_out] = ["", "?"].map(|it| format!("readonly {name}{it}: "));
+            let is_read = script.contains(&given) || script.contains(&left_out);
+            assert!(is_read, "{name}");
+        }
+    }
+    for name in ["taken", "more", "again"] {
+        assert!(script.contains(&format!("| \"{name}\"\n")), "{name}");
+    }
+    let decode = Arrival::Decode(vec![4, 9]);
+    let all = [Arrival::Taken, Arrival::More, Arrival::Again, decode];
+    let written = serde_json::to_string(&all).unwrap();
+    assert_eq!(written, r#"["taken","more","again",{"decode":[4,9]}]"#);
 }

@@ -1,6 +1,7 @@
 // What does the element report to the page that holds it?
 
 import type { EngineEvents, EngineProblem, PackFacts, Stats } from "../engine/api.ts";
+import { isProblem } from "../engine/problem.ts";
 
 /** Events of the element and what their `detail` is. */
 export interface FovealViewEvents {
@@ -35,8 +36,4 @@ export function problemOf(thrown: unknown): EngineProblem {
   if (isProblem(thrown)) return thrown;
   const message = thrown instanceof Error ? thrown.message : String(thrown);
   return { kind: "internal", message, fatal: true };
-}
-
-function isProblem(thrown: unknown): thrown is EngineProblem {
-  return typeof thrown === "object" && thrown !== null && "kind" in thrown && "message" in thrown;
 }

@@ -1,5 +1,7 @@
 // How are times, sizes and shares said to people?
 
+import { SAMPLES, type Samples } from "../engine/api.ts";
+
 /** Seconds that are over; 2.999 of a clip of 90 pictures are three. */
 function wholeSeconds(seconds: number): number {
   return Math.max(0, Math.floor(Math.round(seconds * 100) / 100));
@@ -57,13 +59,13 @@ export function score(target: number | null, expected: number | null): string {
 }
 
 /** What a scene consists of, as "870,306 triangles, 12,000 points". */
-export function parts(of: { readonly triangles?: number; readonly points?: number }): string {
-  const told = (count: number, what: string): string =>
-    `${count.toLocaleString("en")} ${what}${count === 1 ? "" : "s"}`;
-  const { triangles = 0, points = 0 } = of;
-  const ofPoints = points > 0 ? [told(points, "point")] : [];
-  const ofTriangles = triangles > 0 || points === 0 ? [told(triangles, "triangle")] : [];
-  return [...ofTriangles, ...ofPoints].join(", ");
+export function parts(of: Partial<Samples>): string {
+  const there = SAMPLES.filter((name) => (of[name] ?? 0) > 0);
+  const told = (there.length > 0 ? there : SAMPLES.slice(0, 1)).map((name) => {
+    const count = of[name] ?? 0;
+    return `${count.toLocaleString("en")} ${count === 1 ? name.slice(0, -1) : name}`;
+  });
+  return told.join(", ");
 }
 
 /** A share as a percentage, with two digits below one per cent. */

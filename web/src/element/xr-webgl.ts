@@ -1,6 +1,6 @@
 // How is a picture put into the layer of a headset through WebGL?
 
-import type { XrTarget } from "./xr.ts";
+import type { XrTarget } from "./xr-target.ts";
 
 const VERTICES = `#version 300 es
 // One triangle that covers the viewport; pictures have their first row on top.

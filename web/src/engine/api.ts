@@ -17,6 +17,12 @@ export const POLICIES = [
   "coarsest",
 ] as const;
 
+/** What scenes consist of. */
+export const SAMPLES = ["triangles", "points"] as const;
+
+/** How much of each of {@link SAMPLES} there is at the finest level. */
+export type Samples = Readonly<Record<(typeof SAMPLES)[number], number>>;
+
 /** One of {@link POLICIES}. */
 export type PolicyName = (typeof POLICIES)[number];
 
@@ -105,8 +111,8 @@ export function choosesItself(
   return policy === undefined && slope === undefined && demo === true && kind === "video";
 }
 
-/** What is known of a pack once its beginning is there. */
-export interface PackFacts {
+/** What is known of a pack once its beginning is there; a video has no samples of a scene. */
+export interface PackFacts extends Samples {
   /** Pictures, one or many, or what an eye flies through. */
   readonly kind: "video" | "scene";
   /** Null for a scene. */
@@ -127,10 +133,6 @@ export interface PackFacts {
   readonly bytes: number;
   /** What the pack was made from. */
   readonly name: string;
-  /** Triangles of a scene at its finest; 0 for video. */
-  readonly triangles: number;
-  /** Points of a scene at its finest; 0 for video. */
-  readonly points: number;
   /** What draws: without a graphics device, the processor draws the coarsest level. */
   readonly drawing: "gpu" | "software";
   /** The policies that this pack has the tables for. */

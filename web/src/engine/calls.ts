@@ -1,7 +1,6 @@
 // What does the page's side of an engine ask of the side that works?
 
-import type { EngineEvents, EngineOptions, Pixels, SoundPackets, Stats } from "./api.ts";
-import type { GazeRecord, PackFacts, PolicyName, Pose, Target, Towards, View } from "./api.ts";
+import type { EngineApi, EngineEvents, EngineOptions, PackFacts } from "./api.ts";
 
 /** What a host begins with. */
 export interface HostOptions {
@@ -22,37 +21,20 @@ export interface HostOptions {
 }
 
 /** Calls that are answered. */
-export interface Answers {
+export interface Answers
+  extends Pick<EngineApi, "stats" | "soundPackets" | "pixels" | "nextTarget" | "sessionLog"> {
   open(options: HostOptions): Promise<PackFacts>;
-  stats(): Promise<Stats>;
-  soundPackets(from: number, to: number): Promise<SoundPackets | null>;
-  pixels(): Promise<Pixels>;
-  nextTarget(by: number): Promise<Target | null>;
-  sessionLog(): Promise<string>;
   /** Stops, and hands over all bytes. */
   leave(): Promise<{ offset: number; bytes: Uint8Array }[]>;
 }
 
+type Told =
+  | "resize" | "drag" | "fly" | "stopFlying" | "zoom" | "turn" | "look" | "reset" | "pointer"
+  | "gaze" | "play" | "pause" | "seek" | "step" | "heard" | "setPolicy" | "setTarget"
+  | "showLevels";
+
 /** Calls that are only made. */
-export interface Tells {
-  resize(width: number, height: number): void;
-  drag(dx: number, dy: number): void;
-  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void;
-  stopFlying(): void;
-  zoom(factor: number, place: readonly [number, number]): void;
-  turn(pose: Pose | null): void;
-  look(view: View): void;
-  reset(): void;
-  pointer(place: readonly [number, number] | null): void;
-  gaze(record: GazeRecord | string | null): void;
-  play(): void;
-  pause(): void;
-  seek(seconds: number): void;
-  step(frames: number): void;
-  heard(seconds: number): void;
-  setPolicy(name: PolicyName): void;
-  setTarget(target?: Target): void;
-  showLevels(shown: boolean): void;
+export interface Tells extends Pick<EngineApi, Told> {
   hurry(): void;
   loseDevice(): void;
 }

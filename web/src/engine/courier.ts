@@ -1,16 +1,15 @@
 // How do bytes and planes get to what shows them?
 
-import type { EngineProblem, PackFacts, PolicyName, Stats } from "./api.ts";
+import type { EngineProblem, PackFacts, Stats } from "./api.ts";
 import { configOf, isStills } from "./codecs.ts";
 import type { HostOptions, Tell } from "./calls.ts";
 import { type Chunk, Decoders, type PictureWant } from "./decoders.ts";
 import { type Failure, Loader } from "./loader.ts";
-import { isEarly, isPage, isWhole, type Need, needsOf } from "./needs.ts";
-import type { UnitNeed, WholeNeed } from "./needs.ts";
+import type { Arrival, Need, Source } from "./needs.ts";
 import type { Want } from "./plan.ts";
 import { problem } from "./problem.ts";
 import { Stills } from "./stills.ts";
-import { headBytes, type Show } from "./wasm.ts";
+import { Pack, type Show } from "./wasm.ts";
 
 /** Bytes from the beginning that are fetched before anything is known. */
 const BEGINNING = 384 * 1024;
@@ -18,8 +17,6 @@ const BEGINNING = 384 * 1024;
 const USUAL_CACHE = 256 << 20;
 /** Decoders: one a core, and never fewer or more than these. */
 const DECODERS = [8, 12] as const;
-/** Policies that choose by what units are worth. */
-const VALUED: readonly PolicyName[] = ["acuity", "uniform", "eccentricity", "perceptual"];
 
 /** What a courier reports. */
 export interface CourierEvents {
@@ -39,20 +36,16 @@ export class Courier {
   #poster: Show | null = null;
   #decoders: Decoders | Stills | null = null;
   #needs: readonly Need[] = [];
-  readonly #extra: Want[] = [];
-  #headWaits: ((head: Uint8Array | EngineProblem) => void) | null = null;
-  /** Ends the wait of who opens the pack. */
-  #refuse: ((why: EngineProblem) => void) | null = null;
+  /** What is fetched before anything is known, until it is there. */
+  #beginning: Want | null = { offset: 0, bytes: BEGINNING, early: false };
+  /** The pack that opens, and what ends the wait for it. */
+  #opening: { pack: Pack | null; refuse(why: EngineProblem): void } | null = null;
+  /** What waits for bytes, and says whether it has them. */
+  #waiting: (() => boolean)[] = [];
   #pumping = false;
-  /** The module that reads bytes is there. */
-  #reads = false;
   #lost = false;
-  /** Chunks whose lengths are known; the newest last. */
+  /** Chunks that decoders read. */
   readonly #chunks = new Map<number, Chunk>();
-  /** Stretches that were damaged once, and units and pages that are. */
-  readonly #retried = new Set<number>();
-  readonly #damaged = new Set<number>();
-  readonly #tables = new Map<string, Promise<boolean>>();
 
   constructor(begin: HostOptions, events: CourierEvents) {
     this.#events = events;
@@ -80,63 +73,42 @@ export class Courier {
     return this.#loader.meter.bytesPerSecond;
   }
 
-  /** Header and description; rejects with what is wrong. */
-  head(): Promise<Uint8Array> {
-    const beginning: Want = { offset: 0, bytes: BEGINNING, early: false };
-    this.#extra.push(beginning);
-    this.#onBytes.push(() => {
-      const whole = this.#loader.bytes.missing(this.#inFile(beginning)).length === 0;
-      if (whole) this.#extra.splice(this.#extra.indexOf(beginning), 1);
-      return whole;
-    });
-    return new Promise((resolve, reject) => {
-      this.#refuse = (why) => this.#headWaits?.(why);
-      this.#headWaits = (head) => {
-        this.#headWaits = null;
-        this.#refuse = null;
-        if (head instanceof Uint8Array) resolve(head);
-        else reject(head);
-      };
+  /** Opens the pack once `reads` settles, when bytes can be read; rejects with what is wrong. */
+  open(reads: Promise<unknown>): Promise<Pack> {
+    const pack = new Promise<Pack>((resolve, reject) => {
+      const opening = { pack: null as Pack | null, refuse: reject };
+      this.#opening = opening;
       this.#order();
-      this.#pump();
-    });
-  }
-
-  /** What the pack needs besides its head before it can be opened, one after the other: `stretches`
-   *  are first bytes and lengths. */
-  rest(stretches: Float64Array): Promise<Uint8Array<ArrayBuffer>> {
-    const wants: Want[] = [];
-    for (let at = 0; at + 1 < stretches.length; at += 2) {
-      const [offset = 0, bytes = 0] = stretches.subarray(at, at + 2);
-      wants.push({ offset, bytes, early: false });
-    }
-    const missing = (want: Want): boolean => this.#loader.bytes.missing(want).length > 0;
-    if (wants.some(missing)) this.trips += 1;
-    this.#extra.push(...wants);
-    return new Promise((resolve, reject) => {
-      this.#refuse = reject;
-      this.#onBytes.push(() => {
-        if (wants.some(missing)) return false;
-        const whole = new Uint8Array(wants.reduce((sum, { bytes }) => sum + bytes, 0));
-        let at = 0;
-        for (const want of wants) {
-          whole.set(this.#loader.bytes.get(want) ?? [], at);
-          at += want.bytes;
-          this.#extra.splice(this.#extra.indexOf(want), 1);
-        }
-        this.#refuse = null;
-        resolve(whole);
-        return true;
+      const opened = reads.then(() => {
+        const pack = (opening.pack = new Pack());
+        return this.until(() => (this.#isOpen(pack) ? pack : undefined));
       });
-      this.#order();
-      this.#pump();
+      opened.then(resolve, reject);
     });
+    return pack.finally(() => (this.#opening = null));
   }
 
-  /** From now on bytes can be read. */
-  begin(): void {
-    this.#reads = true;
-    this.#pump();
+  /** Whether all has come that is needed to show it; refuses a file of another length. */
+  #isOpen(pack: Pack): boolean {
+    const [length, told] = [this.#loader.length, pack.fileBytes()];
+    if (length !== null && told !== undefined && length !== told) {
+      this.#refuse(problem("broken-pack", true, `${length} bytes, expected ${told}`));
+    }
+    return pack.isOpen();
+  }
+
+  /** What `look` finds, now or after bytes came. */
+  until<T>(look: () => T | undefined): Promise<T> {
+    return new Promise((resolve) => {
+      const isThere = (): boolean => {
+        const found = look();
+        if (found !== undefined) resolve(found);
+        return found !== undefined;
+      };
+      if (isThere()) return;
+      this.#waiting.push(isThere);
+      this.ask();
+    });
   }
 
   /** Opens decoders for a pack. */
@@ -159,7 +131,6 @@ export class Courier {
         this.#show?.fail(want.unit, want.frame);
         this.#events.wake();
       },
-      idle: () => {},
       chunk: (unit: number) => this.#chunks.get(unit) ?? null,
     };
     if (isStills(facts.codec)) {
@@ -191,13 +162,20 @@ export class Courier {
   serve(show: Show): void {
     this.#show = show;
     this.ask();
-    void this.#table("frame_times");
+  }
+
+  /** What says which bytes are needed. */
+  get #source(): Source | null {
+    return this.#opening?.pack ?? this.#show;
   }
 
   /** Asks again what is needed. */
   ask(): void {
-    if (!this.#show) return;
-    this.#needs = needsOf(this.#show.needs());
+    if (!this.#source) return;
+    this.#needs = JSON.parse(this.#source.needs()) as Need[];
+    const missing = (need: Need): boolean => this.#loader.bytes.missing(need).length > 0;
+    const isLater = (need: Need): boolean => need.offset + need.bytes > BEGINNING && missing(need);
+    if (this.#opening && this.#needs.some(isLater)) this.trips = 2;
     this.#order();
     this.#pump();
   }
@@ -227,72 +205,18 @@ export class Courier {
   }
 
   close(): void {
+    this.#show = this.#poster = null;
     this.#loader.close();
     this.#decoders?.close();
   }
 
-  /** Fetches the tables that a policy chooses by; settles once they are there, or cannot be had. */
-  async tablesFor(policy: PolicyName): Promise<void> {
-    if (!VALUED.includes(policy)) return;
-    await Promise.all([this.#table("signatures"), this.#table("calibration")]);
-  }
-
-  /** Whether the sound is there. */
-  sound(): Promise<boolean> {
-    return this.#table("sound");
-  }
-
-  #table(name: string): Promise<boolean> {
-    const known = this.#tables.get(name);
-    if (known) return known;
-    const [offset, bytes] = this.#show?.tablePlace(name) ?? [];
-    if (offset === undefined || bytes === undefined) return Promise.resolve(false);
-    const want: Want = { offset, bytes, early: true };
-    const coming = new Promise<boolean>((done) => {
-      this.#onBytes.push(() => {
-        const there = this.#loader.bytes.get(want);
-        if (!there) return false;
-        this.#extra.splice(this.#extra.indexOf(want), 1);
-        try {
-          this.#show?.addTable(name, there.slice());
-          done(true);
-        } catch (error) {
-          this.#show?.failTable(name);
-          this.#events.tell("error", problem("broken-pack", false, String(error)));
-          done(false);
-        }
-        this.#events.wake();
-        return true;
-      });
-    });
-    this.#extra.push(want);
-    this.#tables.set(name, coming);
-    this.#order();
-    this.#pump();
-    return coming;
-  }
-
-  /** What waits for bytes, and says whether it has them. */
-  #onBytes: (() => boolean)[] = [];
-
-  /** What of a stretch the file has. */
-  #inFile(want: Want): Want {
-    const end = Math.min(want.offset + want.bytes, this.#loader.length ?? Infinity);
-    return { ...want, bytes: Math.max(0, end - want.offset) };
+  /** Settles once the tables that the policy chooses by are there, or cannot be had. */
+  async tables(): Promise<void> {
+    await this.until(() => (this.#show?.awaitsTables() ? undefined : true));
   }
 
   #order(): void {
-    const wants = this.#needs.map((need) => ({
-      offset: need.offset,
-      bytes: need.bytes,
-      early: isEarly(need),
-    }));
-    const extra = this.#extra.map((want) => this.#inFile(want));
-    const [now, later] = [false, true].map((early) => extra.filter((w) => w.early === early));
-    // Nothing early goes before what is waited for.
-    const waited = wants.filter((want) => !want.early);
-    const early = wants.filter((want) => want.early);
-    this.#loader.want([...(now ?? []), ...waited, ...(later ?? []), ...early]);
+    this.#loader.want(this.#beginning ? [this.#beginning, ...this.#needs] : this.#needs);
   }
 
   /** Looks once what the bytes that came are good for. */
@@ -301,159 +225,82 @@ export class Courier {
     this.#pumping = true;
     queueMicrotask(() => {
       this.#pumping = false;
-      this.#readHead();
-      this.#onBytes = this.#onBytes.filter((ready) => !ready());
-      if (this.#show) this.#bring(this.#show);
+      const bytes = Math.min(BEGINNING, this.#loader.length ?? BEGINNING);
+      const missing = this.#loader.bytes.missing({ offset: 0, bytes });
+      if (missing.length === 0) this.#beginning = null;
+      if (this.#source) this.#bring(this.#source);
+      this.#waiting = this.#waiting.filter((isThere) => !isThere());
     });
   }
 
-  #readHead(): void {
-    if (!this.#headWaits || !this.#reads) return;
-    const { bytes, length } = this.#loader;
-    try {
-      const beginning = bytes.get({ offset: 0, bytes: 64 });
-      const head = beginning && bytes.get({ offset: 0, bytes: headBytes(beginning) });
-      if (!head) return;
-      const told = new DataView(head.buffer, head.byteOffset).getBigUint64(40, true);
-      if (length !== null && BigInt(length) !== told) {
-        const found = `${length} bytes, expected ${told}`;
-        this.#headWaits(problem("broken-pack", true, found));
-        return;
-      }
-      this.#headWaits(head.slice());
-    } catch (error) {
-      this.#headWaits(problem("broken-pack", true, String(error)));
-    }
-  }
-
-  #bring(show: Show): void {
-    let pages = false;
-    const taken = new Set<Need>();
+  #bring(source: Source): void {
+    const done = new Set<Need>();
     const wants: PictureWant[] = [];
     const near = new Set<number>();
+    let more = false;
     for (const need of this.#needs) {
-      if (isPage(need)) {
-        pages = this.#readPage(show, need) || pages;
-        continue;
-      }
-      if (isWhole(need)) {
-        if (this.#takeWhole(show, need)) taken.add(need);
-        continue;
-      }
-      near.add(need.unit);
-      if (need.want && this.#readChunk(show, need)) wants.push(need.want);
+      const unit = need.picture?.unit ?? need.ahead;
+      if (unit !== undefined) near.add(unit);
+      if (need.ahead !== undefined) continue;
+      const isRead = unit !== undefined && this.#chunks.has(unit);
+      const arrival = isRead ? null : this.#arrive(source, need);
+      more ||= arrival === "more";
+      if (arrival === "taken") done.add(need);
+      if (need.picture && this.#chunks.has(need.picture.unit)) wants.push(need.picture);
     }
-    if (pages) {
-      this.#events.wake();
-      return this.ask();
-    }
-    if (taken.size > 0) {
-      this.#needs = this.#needs.filter((need) => !taken.has(need));
-      this.#events.wake();
-      // More may have been needed than was returned at once.
-      if (this.#needs.length === 0) return this.ask();
-    }
+    if (more && !this.#opening) this.trips = 2;
+    if (more || done.size > 0) this.#events.wake();
+    this.#needs = this.#needs.filter((need) => !done.has(need));
+    // More may have been needed than was returned at once.
+    if (more || (done.size > 0 && this.#needs.length === 0)) return this.ask();
     for (const unit of this.#chunks.keys()) {
       if (!near.has(unit)) this.#chunks.delete(unit);
     }
-    const plays = this.#needs.some(isEarly);
+    const plays = this.#needs.some((need) => need.ahead !== undefined);
     if (this.#decoders instanceof Decoders) this.#decoders.want(wants, plays, near);
     else this.#decoders?.want(wants);
   }
 
-  /** Takes a page of the index once it is there; whether that is new. */
-  #readPage(show: Show, need: { page: number; offset: number; bytes: number }): boolean {
-    if (this.#damaged.has(need.offset)) {
-      show.failPage(need.page);
-      this.#events.wake();
-      return false;
-    }
+  /** Hands a stretch over, once it is there, and says what came of it. */
+  #arrive(source: Source, need: Need): Arrival | null {
     const bytes = this.#loader.bytes.get(need);
-    if (!bytes) return false;
+    if (!bytes) return null;
     try {
-      show.addPage(need.page, bytes);
-      this.trips = Math.max(this.trips, 2);
-      return true;
-    } catch (error) {
-      if (this.#retry(need)) return false;
-      show.failPage(need.page);
-      this.#events.tell("error", problem("broken-pack", false, String(error)));
-      this.#events.wake();
-      return false;
-    }
-  }
-
-  /** Hands a unit's chunk over once it is there; whether nothing more is to be done for it. */
-  #takeWhole(show: Show, need: WholeNeed): boolean {
-    const shows = new Set([show, this.#poster ?? show]);
-    const fail = (): boolean => {
-      for (const one of shows) one.fail(need.whole, 0);
-      return true;
-    };
-    if (this.#damaged.has(need.offset)) return fail();
-    const bytes = this.#loader.bytes.get(need);
-    if (!bytes) return false;
-    try {
-      for (const one of shows) one.deliverWhole(need.whole, bytes);
-      return true;
-    } catch (error) {
-      if (this.#retry(need)) return false;
-      this.#events.tell("error", problem("broken-pack", false, String(error)));
-      return fail();
-    }
-  }
-
-  /** Whether a unit's chunk can be decoded. */
-  #readChunk(show: Show, need: UnitNeed): boolean {
-    if (this.#chunks.has(need.unit)) return true;
-    const want = need.want as PictureWant;
-    if (this.#damaged.has(need.offset)) {
-      show.fail(need.unit, want.frame);
-      this.#events.wake();
-      return false;
-    }
-    const bytes = this.#loader.bytes.get(need);
-    if (!bytes) return false;
-    try {
-      const lengths = show.lengths(need.unit, bytes);
-      let at = 4 * lengths.length;
-      const chunk = Array.from(lengths, (length) => {
-        at += length;
-        return bytes.subarray(at - length, at);
-      });
-      this.#chunks.set(need.unit, chunk);
-      return true;
-    } catch (error) {
-      if (!this.#retry(need)) {
-        show.fail(need.unit, want.frame);
-        this.#events.tell("error", problem("broken-pack", false, String(error)));
-        this.#events.wake();
+      const arrival = JSON.parse(source.arrived(need.offset, bytes)) as Arrival;
+      if (arrival === "again") {
+        this.#loader.again(need);
+        this.#order();
+      } else if (typeof arrival !== "string") {
+        const edges = arrival.decode;
+        const chunk = edges.slice(1).map((end, at) => bytes.subarray(edges[at], end));
+        if (need.picture) this.#chunks.set(need.picture.unit, chunk);
+      } else if (this.#poster && this.#poster !== source) {
+        this.#poster.arrived(need.offset, bytes);
       }
-      return false;
+      return arrival;
+    } catch (error) {
+      const why = problem("broken-pack", this.#opening !== null, String(error));
+      if (this.#opening) this.#refuse(why);
+      else this.#events.tell("error", why);
+      return "taken";
     }
   }
 
-  /** Fetches damaged bytes once more; `false` where that was done already. */
-  #retry(need: { offset: number; bytes: number }): boolean {
-    if (this.#retried.has(need.offset)) {
-      this.#damaged.add(need.offset);
-      return false;
-    }
-    this.#retried.add(need.offset);
-    this.#loader.again(need);
-    this.#order();
-    return true;
+  /** The pack cannot be opened. */
+  #refuse(why: EngineProblem): void {
+    this.#opening?.refuse(why);
+    this.#opening = null;
   }
 
   #failed(why: Failure, status: number): void {
     const answered = status > 0 ? `the host answered ${status}` : "";
     const detail = why === "not-found" ? `${this.#url}: ${answered}` : answered;
     const kind = why === "short" ? "broken-pack" : why;
-    const opening = this.#refuse;
+    const opening = this.#opening;
     if (kind === "no-ranges" || (opening && kind !== "network")) {
       const fatal = problem(kind, true, detail);
       this.#loader.close();
-      if (opening) opening(fatal);
+      if (opening) this.#refuse(fatal);
       else this.#events.ended(fatal);
       return;
     }

@@ -26,8 +26,6 @@ export interface DecoderEvents {
   picture(want: PictureWant, decoded: number, planes: Uint8Array): void;
   /** A frame of a unit cannot be decoded. */
   failed(want: PictureWant, why: string): void;
-  /** A decoder has nothing to do. */
-  idle(): void;
   /** The chunk of a unit, where its bytes are there. */
   chunk(unit: number): Chunk | null;
 }
@@ -189,7 +187,6 @@ export class Decoders {
     worker.job = null;
     if (this.#closed) return;
     this.go();
-    this.#events.idle();
   }
 
   /** Feeds frames `from` to `until`, and keeps the planes of those that are not before the want. */

@@ -1,8 +1,7 @@
 // How does a page hold an engine?
 
 import type { EngineApi, EngineEvents, EngineOptions, EyeRequest, PackFacts } from "./api.ts";
-import type { EngineProblem, GazeRecord, Pixels, PolicyName, Pose } from "./api.ts";
-import type { SoundPackets, Stats, Target, Towards, View } from "./api.ts";
+import type { EngineProblem, PolicyName, Stats, Target } from "./api.ts";
 import type { Answers, HostOptions, Tells } from "./calls.ts";
 import type { Host } from "./host.ts";
 import { type Side, startHere, startWorker } from "./sides.ts";
@@ -36,6 +35,20 @@ class PageEngine implements EngineApi {
   #starts = 0;
   #closed = false;
   #eyes: OffscreenCanvas | null = null;
+  readonly drag = this.#told("drag");
+  readonly fly = this.#told("fly");
+  readonly stopFlying = this.#told("stopFlying");
+  readonly zoom = this.#told("zoom");
+  readonly turn = this.#told("turn");
+  readonly look = this.#told("look");
+  readonly reset = this.#told("reset");
+  readonly pointer = this.#told("pointer");
+  readonly gaze = this.#told("gaze");
+  readonly heard = this.#told("heard");
+  readonly stats = this.#asked("stats");
+  readonly soundPackets = this.#asked("soundPackets");
+  readonly pixels = this.#asked("pixels");
+  readonly sessionLog = this.#asked("sessionLog");
 
   constructor(place: HTMLElement, options: EngineOptions) {
     this.#place = place;
@@ -167,45 +180,20 @@ class PageEngine implements EngineApi {
     return this.#side.ask(name, values) as ReturnType<Answers[K]>;
   }
 
+  /** A call that goes to the host as it is. */
+  #told<K extends keyof Tells>(name: K): (...values: Parameters<Tells[K]>) => void {
+    return (...values) => this.#tell(name, ...values);
+  }
+
+  #asked<K extends keyof Answers>(
+    name: K,
+  ): (...values: Parameters<Answers[K]>) => ReturnType<Answers[K]> {
+    return (...values) => this.#ask(name, ...values);
+  }
+
   resize(width: number, height: number): void {
     this.#size = [width, height];
     this.#tell("resize", width, height);
-  }
-
-  drag(dx: number, dy: number): void {
-    this.#tell("drag", dx, dy);
-  }
-
-  fly(towards: Towards, isHeld: boolean, isHurried: boolean): void {
-    this.#tell("fly", towards, isHeld, isHurried);
-  }
-
-  stopFlying(): void {
-    this.#tell("stopFlying");
-  }
-
-  zoom(factor: number, place: readonly [number, number]): void {
-    this.#tell("zoom", factor, place);
-  }
-
-  turn(pose: Pose | null): void {
-    this.#tell("turn", pose);
-  }
-
-  look(view: View): void {
-    this.#tell("look", view);
-  }
-
-  reset(): void {
-    this.#tell("reset");
-  }
-
-  pointer(place: readonly [number, number] | null): void {
-    this.#tell("pointer", place);
-  }
-
-  gaze(record: GazeRecord | string | null): void {
-    this.#tell("gaze", record);
   }
 
   play(): void {
@@ -228,10 +216,6 @@ class PageEngine implements EngineApi {
     this.#tell("step", frames);
   }
 
-  heard(seconds: number): void {
-    this.#tell("heard", seconds);
-  }
-
   setPolicy(name: PolicyName): void {
     this.#policy = name;
     this.#tell("setPolicy", name);
@@ -251,22 +235,6 @@ class PageEngine implements EngineApi {
   showLevels(shown: boolean): void {
     this.#levels = shown;
     this.#tell("showLevels", shown);
-  }
-
-  stats(): Promise<Stats> {
-    return this.#ask("stats");
-  }
-
-  soundPackets(from: number, to: number): Promise<SoundPackets | null> {
-    return this.#ask("soundPackets", from, to);
-  }
-
-  pixels(): Promise<Pixels> {
-    return this.#ask("pixels");
-  }
-
-  sessionLog(): Promise<string> {
-    return this.#ask("sessionLog");
   }
 
   /** Loses what `what` names, as tests do. */

@@ -10,7 +10,7 @@ import type { Calls, HostOptions, Tell } from "./calls.ts";
 import { Courier } from "./courier.ts";
 import { Poster, softwareSize } from "./poster.ts";
 import { problem, problemOf } from "./problem.ts";
-import { about, Device, FLAG, loadWasm, opening, Show } from "./wasm.ts";
+import { Device, FLAG, loadWasm, type Pack, Show } from "./wasm.ts";
 
 /** How often figures are reported while something changes, in milliseconds. */
 const STATS_MS = 500;
@@ -36,19 +36,10 @@ async function findDevice(): Promise<string | null> {
   return [vendor, description || device || architecture].filter((word) => word !== "").join(" ");
 }
 
-function factsOf(head: Uint8Array, software: boolean): PackFacts {
-  const facts = JSON.parse(about(head)) as PackFacts;
+function factsOf(pack: Pack, software: boolean): PackFacts {
+  const facts = JSON.parse(pack.about()) as PackFacts;
   if (!software) return { ...facts, drawing: "gpu" };
   return { ...facts, drawing: "software", policies: ["coarsest"] };
-}
-
-/** What `read` reads of a pack; throws what is wrong with that. */
-function readOf<T>(read: () => T): T {
-  try {
-    return read();
-  } catch (error) {
-    throw problem("broken-pack", true, String(error));
-  }
 }
 
 export class Host implements Calls {
@@ -98,18 +89,11 @@ export class Host implements Calls {
       ended: (why) => this.#end(why),
     });
     this.#courier = courier;
-    const [head, device] = await Promise.all([
-      courier.head(),
-      findDevice(),
-      loadWasm().then(() => courier.begin()),
-    ]);
+    const [pack, device] = await Promise.all([courier.open(loadWasm()), findDevice()]);
     this.#software = device === null;
     this.#device = device ?? "";
-    const facts = readOf(() => factsOf(head, this.#software));
-    const [rest] = await Promise.all([
-      courier.rest(readOf(() => opening(head))),
-      courier.prepare(facts),
-    ]);
+    const facts = factsOf(pack, this.#software);
+    await courier.prepare(facts);
     this.#policy = this.#software ? "coarsest" : firstPolicy(options, facts);
     const told = {
       name: begin.name,
@@ -118,7 +102,6 @@ export class Host implements Calls {
       slope: options.slope,
       coarse: options.privacy === "coarse",
       size: this.#scaled(options.size),
-      software: this.#software,
       screenSize: begin.screenSize,
       screen: begin.screen,
       fieldDeg: options.fieldDeg ?? 100,
@@ -127,20 +110,22 @@ export class Host implements Calls {
       log: options.log ?? false,
     };
     if (begin.poster && !this.#software) {
-      this.#poster = await Poster.open(head, rest, told, begin);
+      this.#poster = new Poster(pack, told, begin);
       courier.preview(this.#poster.show);
       this.#run();
     }
     try {
-      this.#show = await Show.open(begin.canvas, head, rest, JSON.stringify(told));
+      const gpu = this.#software ? undefined : await Device.open();
+      this.#show = new Show(begin.canvas, pack, gpu, JSON.stringify(told));
     } catch (error) {
       const text = String(error);
       throw problem(/adapter|device/i.test(text) ? "no-webgpu" : "broken-pack", true, text);
     }
+    pack.free();
     if (begin.time > 0) this.#show.seek(begin.time, seconds());
     if (options.view) this.look(options.view);
     courier.serve(this.#show);
-    void courier.tablesFor(this.#policy).then(() => {
+    void courier.tables().then(() => {
       if (choosesItself(options, facts)) this.#chooseCheaper(facts);
       this.#wake();
     });
@@ -409,7 +394,7 @@ export class Host implements Calls {
       show.setPolicy(name);
       this.#policy = name;
     });
-    this.#changing = this.#courier?.tablesFor(name) ?? Promise.resolve();
+    this.#changing = this.#courier?.tables() ?? Promise.resolve();
   }
 
   setTarget(target?: Target): void {
@@ -445,8 +430,8 @@ export class Host implements Calls {
   }
 
   async soundPackets(from: number, to: number): Promise<SoundPackets | null> {
-    if (!(await this.#courier?.sound())) return null;
-    const parts = this.#show?.soundPackets(from, to) ?? [];
+    const look = () => (this.#show ? this.#show.soundPackets(from, to) : []);
+    const parts = (await this.#courier?.until(look)) ?? [];
     if (parts.length < 5) return null;
     const [channels, preSkip, packetSamples, total, first] = parts as number[] as [
       number, number, number, number, number,

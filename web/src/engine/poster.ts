@@ -3,7 +3,7 @@
 // The same picture, coarse and small, by the processor: it waits for no device.
 
 import type { HostOptions } from "./calls.ts";
-import { FLAG, Show } from "./wasm.ts";
+import { FLAG, type Pack, Show } from "./wasm.ts";
 
 /** Columns or rows that the processor draws at most. */
 const MOST_SIDE = 480;
@@ -16,31 +16,22 @@ export function softwareSize([width, height]: readonly [number, number]): [numbe
 }
 
 export class Poster {
-  private constructor(
-    readonly show: Show,
-    private readonly canvas: OffscreenCanvas,
-  ) {}
+  readonly show: Show;
+  readonly #canvas: OffscreenCanvas;
 
-  /** Begins to show a pack by its beginning, what it needs besides that, and the options of
-   *  {@link Show.open}. */
-  static async open(
-    head: Uint8Array,
-    rest: Uint8Array,
-    told: Readonly<Record<string, unknown>>,
-    begin: HostOptions,
-  ): Promise<Poster> {
+  /** Begins to show a pack with the options of {@link Show}. */
+  constructor(pack: Pack, told: Readonly<Record<string, unknown>>, begin: HostOptions) {
     const size = softwareSize(begin.options.size);
-    const canvas = new OffscreenCanvas(...size);
-    const plain = { ...told, size, policy: "coarsest", software: true, paused: true, log: false };
-    const show = await Show.open(canvas, head, rest, JSON.stringify(plain));
-    if (begin.time > 0) show.seek(begin.time, 0);
-    return new Poster(show, canvas);
+    this.#canvas = new OffscreenCanvas(...size);
+    const plain = { ...told, size, policy: "coarsest", poster: true, paused: true, log: false };
+    this.show = new Show(this.#canvas, pack, undefined, JSON.stringify(plain));
+    if (begin.time > 0) this.show.seek(begin.time, 0);
   }
 
   /** Moves on to `now`; the picture, once what it shows has come. */
   step(now: number): ImageBitmap | null {
     if ((this.show.step(now) & FLAG.draw) === 0) return null;
     this.show.draw();
-    return this.canvas.transferToImageBitmap();
+    return this.#canvas.transferToImageBitmap();
   }
 }

@@ -54,7 +54,6 @@ export class Stills {
         },
       );
     }
-    if (this.#under.size === 0) this.#events.idle();
   }
 
   close(): void {

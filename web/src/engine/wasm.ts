@@ -1,6 +1,6 @@
 // How is the wasm module loaded, once in a thread?
 
-import init, { about, Device, headBytes, opening, Show } from "../../pkg/foveal.js";
+import init, { Device, Pack, Show } from "../../pkg/foveal.js";
 
 let loaded: Promise<unknown> | null = null;
 
@@ -13,7 +13,4 @@ export function loadWasm(): Promise<unknown> {
 /** Bits of what a step returns; `flag` of `crates/web/src/page_player.rs`. */
 export const FLAG = { draw: 1, settled: 2, wants: 4, again: 8, ended: 16, hopeless: 32 } as const;
 
-/** Numbers of a row of needs; `ROW` of `crates/web/src/needs.rs`. */
-export const ROW = 10;
-
-export { about, Device, headBytes, opening, Show };
+export { Device, Pack, Show };

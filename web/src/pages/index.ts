@@ -14,7 +14,7 @@ function item(pack: Listed): HTMLElement {
     loading: "lazy",
   });
   const { seconds } = pack;
-  const still = pack.triangles === undefined ? "Picture" : "Scene";
+  const still = pack.projection === null ? "Scene" : "Picture";
   const length = seconds === null
     ? still
     : element("span", { "aria-label": spokenTime(seconds) }, clock(seconds));

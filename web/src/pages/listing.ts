@@ -1,9 +1,10 @@
 // What does `packs.json` say?
 
 import { parts } from "../element/words.ts";
+import { SAMPLES, type Samples } from "../engine/api.ts";
 
-/** A pack in the list; names are relative to the page. */
-export interface Listed {
+/** A pack in the list; names are relative to the page. A video has no samples of a scene. */
+export interface Listed extends Partial<Samples> {
   readonly name: string;
   /** What people read of it; the name where a list is too old to have one. */
   readonly title?: string;
@@ -17,9 +18,6 @@ export interface Listed {
   readonly eyes: number;
   readonly width: number | null;
   readonly height: number | null;
-  /** Of a scene, at its finest. */
-  readonly triangles?: number;
-  readonly points?: number;
   /** Null for what does not move. */
   readonly seconds: number | null;
   readonly sound: boolean;
@@ -48,12 +46,13 @@ function isListed(one: unknown): one is Listed {
   const is = (of: object, type: "string" | "number" | "boolean", names: readonly string[]) =>
     names.every((name) => typeof (of as Record<string, unknown>)[name] === type);
   const { poster } = one as { poster?: unknown };
-  const isScene = "triangles" in one;
+  const samples = SAMPLES.filter((name) => name in one);
+  const isScene = samples.length > 0;
   const said = ["title", "description", "licence"].filter((name) => name in one);
   return (
     is(one, "string", said) &&
     is(one, "string", ["name", "file", ...(isScene ? [] : ["projection"])]) &&
-    is(one, "number", ["bytes", "eyes", ...(isScene ? ["triangles"] : ["width", "height"])]) &&
+    is(one, "number", ["bytes", "eyes", ...(isScene ? samples : ["width", "height"])]) &&
     ((one as { seconds?: unknown }).seconds === null || is(one, "number", ["seconds"])) &&
     is(one, "boolean", ["sound"]) &&
     typeof poster === "object" &&
@@ -76,7 +75,7 @@ export function titleOf(pack: Listed): string {
 /** What a pack is, in a few words. */
 export function factsOf(pack: Listed): string {
   const licence = pack.licence === undefined ? "" : `, ${pack.licence}`;
-  if (pack.triangles !== undefined) return `${parts(pack)}${licence}`;
+  if (pack.projection === null) return `${parts(pack)}${licence}`;
   const kind = pack.projection === "flat" ? "flat" : "360°";
   const eyes = pack.eyes === 2 ? ", 3D" : "";
   const sound = pack.sound ? ", sound" : "";

@@ -5,11 +5,12 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::LIST;
-use super::repeat::Repeated;
 use crate::steps::{Outcome, repository_root};
 
-/// `docs/measured.toml`.
+/// Where the figures are.
+pub(super) const LIST: &str = "docs/measured.toml";
+
+/// [`LIST`].
 pub(super) struct List {
     /// Files that runs read, by name: the commands that make each.
     pub(super) inputs: BTreeMap<String, Vec<String>>,
@@ -145,17 +146,17 @@ impl List {
         self.tables.iter().map(|table| table.file.clone()).collect()
     }
 
-    /// Writes figures that came out into the file, each on the line that names it.
-    pub(super) fn take(&mut self, figures: &[Repeated]) -> Outcome {
-        for figure in figures {
-            let (run, name) = figure.id.split_once('.').unwrap_or_default();
+    /// Writes figures that came out, by their ids, into the file, each on the line that names it.
+    pub(super) fn take<'a>(&mut self, figures: impl Iterator<Item = (&'a str, f64)>) -> Outcome {
+        for (id, now) in figures {
+            let (run, name) = id.split_once('.').unwrap_or_default();
             let begins = format!("name = \"{run}\"");
             let key = format!("{name} = {{");
             let mut inside = false;
             let lines = self.text.lines().map(|line| {
                 inside = (inside || line == begins) && !line.starts_with("[[");
                 match inside && line.starts_with(&key) {
-                    true => with_value(line, figure.now),
+                    true => with_value(line, now),
                     false => line.to_owned(),
                 }
             });

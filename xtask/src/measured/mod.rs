@@ -14,11 +14,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::steps::{self, Outcome, repository_root};
-use list::{List, Plot};
+use list::{LIST, List, Plot};
 use repeat::Workplace;
-
-/// Where the figures are.
-pub(crate) const LIST: &str = "docs/measured.toml";
 
 /// Which runs to repeat.
 pub(crate) enum Which<'a> {
@@ -71,7 +68,7 @@ pub(crate) fn take(text: &str) -> Outcome {
         for figure in &figures {
             println!("{figure}");
         }
-        list.take(&figures)?;
+        list.take(figures.iter().map(|it| (it.id.as_str(), it.now)))?;
     }
     write()
 }

@@ -10,9 +10,8 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-use super::LIST;
 use super::key::number;
-use super::list::{Figure, List, Run, Tolerance};
+use super::list::{Figure, LIST, List, Run, Tolerance};
 use crate::steps::{self, repository_root};
 
 /// Where commands run: a folder below `target`, which keeps inputs that were made once.

@@ -3,8 +3,7 @@
 //! A table stands between `<!-- measured NAME -->` and `<!-- end -->`. Its text has figures as
 //! `{run.figure:format}`.
 
-use super::LIST;
-use super::list::List;
+use super::list::{LIST, List};
 use super::shown::shown;
 
 const END: &str = "<!-- end -->";

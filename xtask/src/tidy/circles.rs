@@ -1,13 +1,11 @@
-//! Do files of a crate import from each other in a circle?
+//! Do files import from each other in a circle?
 
 use super::Finding;
 use super::known::Breach;
 use super::source::graph::Graph;
-use super::source::modules::Modules;
 
-/// Every import of a crate from which imports lead back to the file it stands in.
-pub(super) fn check(modules: &Modules) -> Vec<Breach> {
-    let graph = Graph::of(modules);
+/// Every import from which imports lead back to the file it stands in.
+pub(super) fn check(graph: &Graph) -> Vec<Breach> {
     let closing = graph
         .edges()
         .filter_map(|(from, to)| Some((from, to, graph.way(to, from)?)));
@@ -33,6 +31,7 @@ pub(super) fn check(modules: &Modules) -> Vec<Breach> {
 mod tests {
     use super::*;
     use crate::tidy::Tree;
+    use crate::tidy::source::modules::Modules;
 
     fn keys(b: &str, c: &str) -> Vec<String> {
         let tree = Tree::of_texts(&[
@@ -41,7 +40,7 @@ mod tests {
             ("crates/x/src/b.rs", b),
             ("crates/x/src/c.rs", c),
         ]);
-        let found = check(&Modules::of_crate(&tree, "x"));
+        let found = check(&Graph::of(&Modules::of_crate(&tree, "x")));
         found
             .iter()
             .map(|breach| breach.key().replace("crates/x/src/", ""))
@@ -57,5 +56,20 @@ mod tests {
         assert_eq!(circle, ["a.rs -> b.rs", "b.rs -> c.rs", "c.rs -> a.rs"]);
         let line = keys("use crate::c::C; pub struct B(C);", "pub struct C;");
         assert!(line.is_empty(), "{line:?}");
+    }
+
+    #[test]
+    fn a_circle_of_typescript_is_one_too() {
+        let tree = Tree::of_texts(&[
+            ("web/src/a.ts", "import { B } from \"./b.ts\";"),
+            ("web/src/b.ts", "import type { A } from \"./a.ts\";"),
+        ]);
+        let found = check(&Graph::of_typescript(&tree, "web/src/"));
+        let keys: Vec<&str> = found.iter().map(Breach::key).collect();
+        let expected = [
+            "web/src/a.ts -> web/src/b.ts",
+            "web/src/b.ts -> web/src/a.ts",
+        ];
+        assert_eq!(keys, expected);
     }
 }

@@ -8,20 +8,17 @@ use super::tree::Tree;
 /// What the loop of `crates/play` owns: those who show what it plays name none of it.
 const PARTS: [&str; 4] = ["DecodePool", "TileStore", "Scheduler", "Rules"];
 const SHOWING: [&str; 2] = ["crates/app/src/", "crates/web/src/"];
-/// Where the loop takes its step, once in each.
-const STEPPING: [&str; 2] = ["crates/play/src/", "crates/web/src/"];
+/// What moves a session on: the loop alone.
 const STEP: &str = "session.step(";
 
-/// Finds parts of the loop where they are only shown, and counts its steps once there is a loop.
+/// Finds parts of the loop, and its steps, where they are only shown.
 pub(super) fn check(tree: &Tree) -> Vec<Breach> {
     let mut breaches = Vec::new();
     for folder in SHOWING {
         for (path, code) in sources(tree, folder) {
             breaches.extend(parts_named(path, &code));
+            breaches.extend(steps(path, &code));
         }
-    }
-    if tree.has(STEPPING[0]) {
-        breaches.extend(STEPPING.iter().filter_map(|folder| steps(tree, folder)));
     }
     breaches
 }
@@ -51,23 +48,15 @@ fn parts_named(path: &str, code: &str) -> Vec<Breach> {
         .collect()
 }
 
-/// The breach where a folder's sources do not step a session exactly once.
-fn steps(tree: &Tree, folder: &str) -> Option<Breach> {
-    let mut places = Vec::new();
-    for (path, code) in sources(tree, folder) {
-        let calls = places_of(&code, "session").filter(|at| is_step(&code[*at..]));
-        places.extend(calls.map(|at| format!("{path}:{}", line_of(&code, at))));
-    }
-    if places.len() == 1 {
-        return None;
-    }
-    let message = format!(
-        "`{STEP}` stands in {} places, and in exactly one it should: {}",
-        places.len(),
-        places.join(", ")
-    );
-    let finding = Finding::new(folder, 1, message);
-    Some(Breach::new("one-loop", format!("{folder} steps"), finding).counting(places.len()))
+/// A breach for each step that a source takes by itself.
+fn steps(path: &str, code: &str) -> Vec<Breach> {
+    let calls = places_of(code, "session").filter(|at| is_step(&code[*at..]));
+    let breach = |at| {
+        let message = format!("`{STEP}` moves a session on: have a player of crates/play do it");
+        let finding = Finding::new(path, line_of(code, at), message);
+        Breach::new("one-loop", format!("{path} steps"), finding)
+    };
+    calls.map(breach).collect()
 }
 
 /// Does `code` begin with a step, on one line or over several?
@@ -101,22 +90,13 @@ mod tests {
     }
 
     #[test]
-    fn a_session_takes_its_step_in_one_place_of_play_and_one_of_the_page() {
-        let once = "fn f() { self.session\n    .step(now) }";
-        let found = |play: &str, web: &str| {
-            keys(&[("crates/play/src/a.rs", play), ("crates/web/src/a.rs", web)])
-        };
-        assert!(found(once, once).is_empty());
-        let twice = format!("{once} {once}");
-        assert_eq!(found(&twice, once), ["crates/play/src/ steps"]);
-        assert_eq!(
-            found(once, "fn f() { my_session.step() }"),
-            ["crates/web/src/ steps"]
-        );
-    }
-
-    #[test]
-    fn steps_are_not_counted_before_there_is_a_loop() {
-        assert!(keys(&[("crates/web/src/a.rs", "fn f() {}")]).is_empty());
+    fn only_a_player_moves_a_session_on() {
+        let step = "fn f() { self.session\n    .step(now) }";
+        let other = "fn f() { my_session.step() }";
+        assert!(keys(&[("crates/play/src/a.rs", step)]).is_empty());
+        assert!(keys(&[("crates/web/src/a.rs", other)]).is_empty());
+        for path in ["crates/web/src/a.rs", "crates/app/src/a.rs"] {
+            assert_eq!(keys(&[(path, step)]), [format!("{path} steps")]);
+        }
     }
 }

@@ -46,7 +46,8 @@ struct CalibrateResult<'a> {
 }
 
 pub(crate) fn run(args: &CalibrateArgs) -> anyhow::Result<()> {
-    let Pack::Video(old) = Pack::open(&args.pack)? else {
+    let pack = Pack::open(&args.pack)?;
+    let Some(old) = pack.video() else {
         bail!(WrongUsage(format!(
             "{}: is a scene; only packs of video can be calibrated",
             args.pack.display()

@@ -9,11 +9,13 @@ use crate::options::policy::{
 };
 use crate::options::preset::SystemPreset;
 use crate::options::showing::EyeName;
+use crate::options::unused::Given;
 use crate::report::output::{self, WrongUsage, out_of_range};
 use anyhow::bail;
 use clap::{Args, ValueEnum};
 use foveal_core::content::demand::Demand;
 use foveal_core::content::head::ContentHead;
+use foveal_core::content::opened::ContentFacts;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::demand::VideoDemand;
 use foveal_core::content::video::grid::tile_grid::TileGrid;
@@ -134,7 +136,10 @@ enum Bounding {
 /// Most random gazes of one run.
 const MOST_GAZES: u32 = 1_000_000;
 
-pub(crate) fn run(args: &SelectArgs) -> anyhow::Result<()> {
+pub(crate) fn run(args: &SelectArgs, given: &Given) -> anyhow::Result<()> {
+    let is_flat = args.projection == ProjectionName::Flat;
+    let named = args.policy.named();
+    given.say_unused((&ContentFacts::VIDEO, is_flat), (named, Policy::Acuity));
     let rig = args.panels.read(args.eye)?;
     let args = &args.before(rig.as_ref())?;
     let panels = rig.map(|rig| rig.panels);

@@ -4,6 +4,7 @@ use crate::report::damage::listed;
 use crate::report::output::{self, WrongUsage};
 use anyhow::anyhow;
 use clap::Args;
+use foveal_core::content::opened::ContentFacts;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::counted;
 use foveal_media::pack::pack::Pack;
@@ -62,9 +63,9 @@ impl VerifyArgs {
     }
 
     /// Refuses options that would do nothing.
-    fn check(&self, is_scene: bool) -> Result<(), WrongUsage> {
+    fn check(&self, about: &ContentFacts) -> Result<(), WrongUsage> {
         let tries = self.tries();
-        if !is_scene && (tries || self.ignore_prerequisites) {
+        if !about.is_entered && (tries || self.ignore_prerequisites) {
             let what = "--cuts, --orders, --ignore-prerequisites: are about scenes, and this is a \
                         pack of video; leave them out";
             return Err(WrongUsage(what.to_owned()));
@@ -79,7 +80,7 @@ impl VerifyArgs {
 
 pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     let file = Pack::open(&args.pack)?;
-    args.check(file.scene().is_some())?;
+    args.check(file.facts())?;
     let bar = output::bar(Some(file.bytes()), output::Counting::Bytes);
     let damage = file.verify(|done, _| bar.set_position(done));
     bar.finish_and_clear();

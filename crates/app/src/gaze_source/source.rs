@@ -13,7 +13,7 @@ use foveal_core::gaze::scan::ScanPath;
 use foveal_core::gaze::tracker::{GazeTracker, Prediction};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::surface::Surface;
-use foveal_play::Look;
+use foveal_play::WatchedFrame;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -119,7 +119,7 @@ impl GazeSource {
     /// The viewer when a picture is shown at `time`; times must not decrease. On flat content the
     /// head stays before the screen; on 360° content a head that was not recorded follows the gaze.
     /// A live source gives what is known when it is asked.
-    pub(crate) fn look(&mut self, time: Seconds) -> Look {
+    pub(crate) fn look(&mut self, time: Seconds) -> WatchedFrame {
         self.watch(Seconds(time.0 - self.late.0));
         let asked = match &self.path {
             GazePath::Live(live) => Seconds(live.time().0 + self.late.0),
@@ -155,7 +155,7 @@ impl GazeSource {
             Some(head_expected) if self.head_moves && !seen => head_expected,
             _ => head,
         };
-        Look {
+        WatchedFrame {
             gaze,
             gaze_is_known: gaze.valid && !self.is_live(),
             head,

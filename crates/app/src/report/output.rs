@@ -303,6 +303,17 @@ pub(crate) fn size(bytes: u64) -> String {
     }
 }
 
+/// Says how much was fetched again; nothing where nothing was.
+pub(crate) fn refetched(bytes: u64) -> String {
+    match bytes {
+        0 => String::new(),
+        _ => format!(
+            "{} fetched again: more than a client holds in memory\n",
+            size(bytes)
+        ),
+    }
+}
+
 /// What a progress bar counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counting {

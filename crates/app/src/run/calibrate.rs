@@ -25,9 +25,8 @@ use foveal_core::perception::acuity::AcuityModel;
 use foveal_eval::score::pooling::Pool;
 use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::tiles::decoders::DecoderChoice;
-use foveal_play::{Decoding, FrameReport, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::{Decoding, FrameOptions, FrameReport, PlayerOptions};
+use foveal_render::DrawDevice;
 use glimpses::{Density, Glimpse, glimpses_of};
 use measures::FoundAtBound;
 use searching::{Search, rows_of};
@@ -204,22 +203,13 @@ impl<'a> Stage<'a> {
         glimpse: &Glimpse,
         take: &mut dyn FnMut(ScorePicture, &FrameReport) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        let options = PlayerOptions {
-            config: config.clone(),
-            view: self.density.view,
-            screen: Default::default(),
-            drawing: DrawDevice::Twin,
-            style: TileStyle::default(),
-            bytes_per_s: f64::INFINITY,
-            paced: false,
+        let player = PlayerOptions::new(config.clone(), &DrawDevice::Twin, output::say);
+        let options = FrameOptions {
             judged: config.policy != Policy::Full,
-            tell: output::say,
-            decoding: Decoding {
-                jobs: 1,
-                choice: DecoderChoice::Software,
-            },
+            decoding: Decoding::on(1),
+            ..FrameOptions::new(player, self.density.view)
         };
-        let mut player = open_player(Arc::clone(self.file), options)?;
+        let mut player = open_player(self.file, options)?;
         player.begin_at(glimpse.frames.start);
         for frame in glimpse.frames.clone() {
             let look = glimpse.look(player.time(frame));

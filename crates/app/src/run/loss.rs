@@ -5,6 +5,7 @@
 //! machine and threads.
 
 use crate::commands::score::{display_of_view, picture_of};
+use crate::report::output;
 use crate::run::in_parallel::in_parallel;
 use crate::run::open_player::open_player;
 use crate::run::source_frames::SourceFrames;
@@ -21,11 +22,10 @@ use foveal_eval::score::{Judge, Mode, ScorePicture, Viewing};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PreparationPlan as Plan, Surround};
 use foveal_media::sphere::Coverage;
-use foveal_media::tiles::decoders::DecoderChoice;
 use foveal_play::Decoding;
-use foveal_play::Look;
-use foveal_play::PlayerOptions;
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::WatchedFrame;
+use foveal_play::{FrameOptions, PlayerOptions};
+use foveal_render::DrawDevice;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::Arc;
@@ -171,22 +171,13 @@ fn sphere_scenes(plan: &Plan, surface: &Surface) -> Vec<Scene> {
 
 /// What the finest level shows in a scene, frame by frame.
 fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<Vec<ScorePicture>> {
-    let options = PlayerOptions {
-        config: PolicyConfig::new(Policy::Viewport),
-        view: scene.view,
-        screen: Screen::default(),
-        drawing: DrawDevice::Twin,
-        style: TileStyle::default(),
-        bytes_per_s: f64::INFINITY,
-        paced: false,
-        judged: false,
-        tell: crate::report::output::say,
-        decoding: Decoding {
-            jobs: 1,
-            choice: DecoderChoice::Software,
-        },
+    let config = PolicyConfig::new(Policy::Viewport);
+    let player = PlayerOptions::new(config, &DrawDevice::Twin, output::say);
+    let options = FrameOptions {
+        decoding: Decoding::on(1),
+        ..FrameOptions::new(player, scene.view)
     };
-    let mut player = open_player(Arc::clone(file), options)?;
+    let mut player = open_player(file, options)?;
     let look = |time: Seconds| {
         let gaze = GazeSample {
             time,
@@ -196,7 +187,7 @@ fn draw(file: &Arc<PackFile>, scene: &Scene, frames: &[u32]) -> anyhow::Result<V
             spread: Radians(0.0),
             head: None,
         };
-        Look {
+        WatchedFrame {
             gaze,
             gaze_is_known: true,
             head: scene.head,

@@ -1,7 +1,7 @@
 //! Which frame of the content does each picture of a run show, and when?
 
 use foveal_core::units::Seconds;
-use foveal_play::Player;
+use foveal_play::FramePlayer;
 
 /// The pictures of a run: frame after frame, from the beginning again where that was the last; a
 /// still is the same frame all along.
@@ -30,7 +30,7 @@ impl ShownFrames {
     }
 
     /// When a picture is shown, in time that goes on through all rounds.
-    pub(crate) fn time(&self, picture: u32, player: &Player) -> Seconds {
+    pub(crate) fn time(&self, picture: u32, player: &FramePlayer) -> Seconds {
         if self.there == 1 {
             return Seconds(self.interval.0 * f64::from(picture));
         }

@@ -4,7 +4,7 @@
 
 use crate::support::{Folder, foveal, json_of};
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource};
+use foveal_core::content::scene::description::{KIND, SceneDescription, SceneSource, Shape};
 use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::part_ref::PartRef;
@@ -16,7 +16,7 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_media::pack::scene_file::SceneFile;
-use foveal_play::{ScenePlayer, ScenePlayerOptions};
+use foveal_play::{Player, PlayerOptions};
 use foveal_render::DrawDevice;
 use foveal_scene::build::{BuildOptions, build};
 use foveal_scene::read::{ReadOptions, read};
@@ -167,14 +167,11 @@ fn made_of(path: &str) -> Made {
 }
 
 fn played(file: &Arc<SceneFile>) -> Result<u64, Box<foveal_play::PlayError>> {
-    let options = ScenePlayerOptions {
-        config: PolicyConfig::new(Policy::Full),
-        drawing: DrawDevice::Twin,
-        bytes_per_s: f64::INFINITY,
+    let options = PlayerOptions {
         gpu_bytes: 1 << 30,
-        tell: |_| (),
+        ..PlayerOptions::new(PolicyConfig::new(Policy::Full), &DrawDevice::Twin, |_| ())
     };
-    let mut player = ScenePlayer::new(Arc::clone(file), options)?;
+    let mut player = Player::of_scene(file, options)?;
     let view = EyeView {
         position: glam::DVec3::new(0.5, 0.5, 4.0),
         axes: Axes::FRONT,
@@ -187,8 +184,8 @@ fn played(file: &Arc<SceneFile>) -> Result<u64, Box<foveal_play::PlayError>> {
         vec![view],
     );
     for second in 0..2 {
-        player.show(Seconds(f64::from(second)), &moment)?;
-        player.picture(&view)?;
+        player.stand(Seconds(f64::from(second)), &moment)?;
+        player.picture(&view, false)?;
     }
     Ok(player.damaged_units())
 }
@@ -223,7 +220,7 @@ fn alter_description(about: &mut SceneDescription, dice: &mut Dice) -> String {
         6 => object.attributes.normals ^= true,
         7 => object.attributes.colours ^= true,
         8 => {
-            if let Some(cloud) = &mut object.points {
+            if let Shape::Cloud(cloud) = &mut object.shape {
                 match dice.below(4) {
                     0 => cloud.scale[dice.below(3)] = number,
                     1 => cloud.least[dice.below(3)] = number as i64 >> 11,

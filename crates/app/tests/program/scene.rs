@@ -177,6 +177,31 @@ fn a_link_brings_the_whole_step_by_step_and_the_run_repeats() {
 }
 
 #[test]
+fn nothing_is_fetched_again_where_the_head_turns_away_for_five_seconds() {
+    let folder = Folder::new();
+    let pack = torus_pack(&folder);
+    let route = "t_s,x,y,z,yaw_deg,pitch_deg\n\
+                 0,0,1,2.5,0,-15\n1,0,1,2.5,0,-15\n2,0,1,2.5,180,-15\n\
+                 7,0,1,2.5,180,-15\n8,0,1,2.5,0,-15\n9,0,1,2.5,0,-15\n";
+    let route = folder.holding("away.csv", route.as_bytes());
+    let play = [
+        "--route",
+        &route,
+        "--interval",
+        "250ms",
+        "--policy",
+        "acuity",
+    ];
+    let run = |more: &[&str]| simulate(&folder, &pack, &[&play[..], more].concat());
+    let all = run(&["--pictures", "none"]);
+    assert_eq!(all["refetched_bytes"], 0, "{all}");
+    // What came for the first picture is all that the last one needs.
+    let first = run(&["--pictures", "none", "--frames", "4"]);
+    assert_eq!(all["units_by_level"], first["units_by_level"]);
+    assert_eq!(all["error_all"], first["error_all"]);
+}
+
+#[test]
 fn perceptual_brings_the_fovea_with_fewer_bytes_and_its_log_replays_without_a_gpu() {
     let folder = Folder::new();
     let pack = torus_pack(&folder);

@@ -120,6 +120,31 @@ fn at_its_seam_and_its_poles_it_shows_what_a_cube_shows() {
 }
 
 #[test]
+fn of_a_still_nothing_is_fetched_again_where_the_head_turns_away_for_a_while() {
+    let folder = Folder::new();
+    let clip = write_clip(&folder, "world_360.mkv", &[sphere(SIZE)]);
+    let how = ["--pack-projection", "equirect"];
+    let pack = packed(&folder, &clip, "sphere.foveal", &how);
+    let trace = "t_s,yaw_deg,pitch_deg,head_yaw_deg,head_pitch_deg\n\
+                 0,0,0,0,0\n1,150,10,150,0\n6,0,0,0,0\n8,0,0,0,0\n";
+    let trace = folder.holding("away.csv", trace.as_bytes());
+    let out = folder.name("out");
+    let gaze = format!("trace:{trace}");
+    let play = ["simulate", &pack, "--gaze", &gaze, "--out", &out];
+    let how = [
+        "--policy",
+        "acuity",
+        "--view",
+        "320x240",
+        "--interval",
+        "200ms",
+    ];
+    let run = json(&[&play[..], &how, &["--pictures", "none"]].concat());
+    assert!(run["level_changes"].as_u64().unwrap() > 0, "{run}");
+    assert_eq!(run["refetched_bytes"], 0, "{run}");
+}
+
+#[test]
 fn a_whole_one_keeps_its_pixels_and_cubes_and_halves_become_whole() {
     let folder = Folder::new();
     let how = ["--pack-projection", "equirect"];

@@ -1,10 +1,12 @@
 //! What does a viewer want of one asset, whatever kind it is of?
 
 use crate::content::head::ContentHead;
+use crate::content::payload::Payload;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
-use crate::perception::footprints::Footprints;
+use crate::pack::{PackError, UnitPlace};
+use crate::perception::footprints::Measured;
 use crate::perception::moment::Moment;
 use crate::units::Seconds;
 use crate::view::timeline::Timeline;
@@ -65,9 +67,9 @@ pub trait Demand: core::fmt::Debug + Send {
         Vec::new()
     }
 
-    /// From now on units refine these parts of the view.
-    fn see(&mut self, footprints: &Footprints) {
-        let _ = footprints;
+    /// From now on this is known of units by what was drawn.
+    fn see(&mut self, measured: &Measured) {
+        let _ = measured;
     }
 
     /// Looks at a frame and a moment, for buying.
@@ -125,10 +127,12 @@ pub trait Content: core::fmt::Debug + Send + Sync {
     /// What is known of a unit.
     fn unit(&self, unit: UnitId) -> Unit;
 
-    /// Whether a unit will never come, because its table row or index page is damaged.
+    /// Where the bytes of a unit lie in the file of the content.
+    fn place(&self, unit: UnitId) -> UnitPlace;
+
+    /// Whether a unit will never come, because nothing says where it is.
     fn is_lost(&self, unit: UnitId) -> bool {
-        let _ = unit;
-        false
+        self.place(unit) == UnitPlace::Lost
     }
 
     /// The units of the coarsest level at a frame: while one of them is missing, there is nothing
@@ -143,6 +147,25 @@ pub trait Content: core::fmt::Debug + Send + Sync {
 
     /// The coarsest level.
     fn coarsest(&self) -> u8;
+
+    /// What errors call the chunk of a unit.
+    fn chunk_name(&self, unit: UnitId) -> String {
+        format!("chunk of unit {}", unit.0)
+    }
+
+    /// What is drawn of a unit whose chunk says so without a codec; `chunk` are its bytes, of which
+    /// the checksum is right.
+    ///
+    /// # Errors
+    /// It is damaged, or a codec makes it.
+    fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
+        let _ = chunk;
+        Err(PackError {
+            field: self.chunk_name(unit),
+            found: "coded pictures".to_owned(),
+            expected: "what needs no codec".to_owned(),
+        })
+    }
 
     /// The unit that shows the place of `unit` at another frame: of content without time the same.
     fn at_frame(&self, unit: UnitId, frame: u32) -> UnitId {

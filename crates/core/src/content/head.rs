@@ -14,11 +14,11 @@ const KIND: &str = "kind";
 /// What was chosen on, of any kind of content: only that kind reads it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct ContentHead(Told);
+pub struct ContentHead(CutRecord);
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-enum Told {
+enum CutRecord {
     Video(TileGrid),
     /// An object with its kind in it.
     Other(Map<String, Value>),
@@ -28,7 +28,7 @@ impl ContentHead {
     /// A video that is cut by this grid.
     #[must_use]
     pub fn of_video(grid: TileGrid) -> Self {
-        Self(Told::Video(grid))
+        Self(CutRecord::Video(grid))
     }
 
     /// Content of another kind, and what that kind says of it.
@@ -36,15 +36,15 @@ impl ContentHead {
     pub fn of_kind(kind: &str, about: Map<String, Value>) -> Self {
         let mut about = about;
         about.insert(KIND.to_owned(), kind.into());
-        Self(Told::Other(about))
+        Self(CutRecord::Other(about))
     }
 
     /// The grid of a video; `None` where it is of another kind.
     #[must_use]
     pub fn video(&self) -> Option<&TileGrid> {
         match &self.0 {
-            Told::Video(grid) => Some(grid),
-            Told::Other(_) => None,
+            CutRecord::Video(grid) => Some(grid),
+            CutRecord::Other(_) => None,
         }
     }
 
@@ -52,7 +52,7 @@ impl ContentHead {
     #[must_use]
     pub fn other(&self, kind: &str) -> Option<&Map<String, Value>> {
         match &self.0 {
-            Told::Other(about) if about[KIND] == kind => Some(about),
+            CutRecord::Other(about) if about[KIND] == kind => Some(about),
             _ => None,
         }
     }
@@ -89,7 +89,7 @@ impl<'de> Deserialize<'de> for ContentHead {
         let StrictJson(value) = StrictJson::deserialize(deserializer)?;
         match value {
             Value::Object(about) if about.get(KIND).is_some_and(Value::is_string) => {
-                Ok(Self(Told::Other(about)))
+                Ok(Self(CutRecord::Other(about)))
             }
             video => TileGrid::deserialize(video)
                 .map(Self::of_video)

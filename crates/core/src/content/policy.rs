@@ -112,8 +112,6 @@ pub enum ImportanceSource {
     #[default]
     Signatures,
     /// Pictures of all levels, drawn for each choice: slow, the reference for signatures.
-    /// Footprints then hold the worth itself, the bits of a number of 32 bits in the place of the
-    /// area.
     Rendered,
 }
 

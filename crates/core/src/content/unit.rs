@@ -14,6 +14,12 @@ pub struct AssetId(pub u16);
 impl AssetId {
     /// The asset of a scene that has no other.
     pub const ONLY: Self = Self(0);
+
+    /// A unit of it.
+    #[must_use]
+    pub const fn unit(self, unit: UnitId) -> UnitRef {
+        UnitRef { asset: self, unit }
+    }
 }
 
 /// A unit of one asset of a scene: what is chosen, fetched, decoded, kept and shown.

@@ -1,6 +1,6 @@
 //! Where are the bytes of a unit?
 
-use super::error::{PackError, check_crc_of, u32_at, u64_at};
+use super::error::{PackError, check_crc, check_crc_of, u32_at, u64_at};
 use super::header::Header;
 use super::tables::TableEntry;
 use super::unit::UnitId;
@@ -26,6 +26,50 @@ pub struct Entry {
     pub bytes: u32,
     /// CRC32C of the chunk.
     pub crc32c: u32,
+}
+
+impl Entry {
+    /// The stretch of the file.
+    #[must_use]
+    pub fn range(&self) -> Range<u64> {
+        self.offset..self.offset + u64::from(self.bytes)
+    }
+
+    /// Checks the bytes of the chunk, which `field` names in the error.
+    pub fn check(&self, field: &str, chunk: &[u8]) -> Result<(), PackError> {
+        check_crc(field, chunk, self.crc32c)
+    }
+}
+
+/// Where the bytes of a unit lie in the file, as far as that is known.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum UnitPlace {
+    /// Here.
+    At(Entry),
+    /// Where a page of the index says, which has to be loaded first.
+    OnPage {
+        /// Its number.
+        page: u32,
+        /// The stretch of the file that it fills.
+        range: Range<u64>,
+    },
+    /// Nowhere: its page of the index is damaged.
+    Lost,
+}
+
+impl UnitPlace {
+    /// Where exactly, and the checksum; `field` names the chunk in the error.
+    ///
+    /// # Errors
+    /// That is not known.
+    pub fn known(self, field: &str) -> Result<Entry, PackError> {
+        let found = match self {
+            Self::At(entry) => return Ok(entry),
+            Self::OnPage { page, .. } => format!("index page {page} not loaded"),
+            Self::Lost => "a damaged index page".to_owned(),
+        };
+        Err(PackError::new(field, found, "a known place"))
+    }
 }
 
 /// How the units of a pack are numbered: levels follow each other from the coarsest to the finest,
@@ -315,9 +359,23 @@ impl Index {
         page.is_some_and(|page| page.get().is_some())
     }
 
+    /// Where the chunk of a unit lies, or the page that says so. O(1).
+    ///
+    /// # Panics
+    /// There must be such a unit.
+    #[must_use]
+    pub fn place(&self, unit: UnitId) -> UnitPlace {
+        if let Some(entry) = self.known_entry(unit) {
+            return UnitPlace::At(entry);
+        }
+        let page = self.numbers.page_of(unit);
+        let range = self.page_place(page);
+        range.map_or(UnitPlace::Lost, |range| UnitPlace::OnPage { page, range })
+    }
+
     /// Place and checksum of a unit's chunk, where its page has been loaded. O(1).
     #[must_use]
-    pub fn known_entry(&self, unit: UnitId) -> Option<Entry> {
+    pub(crate) fn known_entry(&self, unit: UnitId) -> Option<Entry> {
         let level = self.numbers.level_of(unit);
         let within = (unit.0 - self.numbers.first_of(level).0) % self.numbers.page;
         let page = self.pages.get(self.numbers.page_of(unit) as usize)?.get()?;

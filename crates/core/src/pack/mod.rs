@@ -18,7 +18,7 @@ pub use build::{PackBuilder, PackHead};
 pub(crate) use error::u32_at;
 pub use error::{PackError, check_crc};
 pub use header::{HEADER_BYTES, Header, MAGIC, MAX_DESCRIPTION_BYTES, VERSION};
-pub use index::{Entry, Index, MAX_CHUNK_BYTES, UnitNumbers};
+pub use index::{Entry, Index, MAX_CHUNK_BYTES, UnitNumbers, UnitPlace};
 pub use journal::{
     ChunkName, Difference, Identity, JOURNAL_MAGIC, Journal, JournalStep, PlacedChunk,
     read_any_journal,

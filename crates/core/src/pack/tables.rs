@@ -1,5 +1,8 @@
 //! What does a pack hold about units, besides their chunks?
 
+use super::error::PackError;
+use crate::units::counted;
+use core::ops::Range;
 use serde::{Deserialize, Serialize};
 
 /// A side table to be written after the index.
@@ -26,4 +29,20 @@ pub struct TableEntry {
     pub bytes: u64,
     /// Its checksum.
     pub crc32c: u32,
+}
+
+impl TableEntry {
+    /// The stretch that it fills of a file of so many bytes.
+    ///
+    /// # Errors
+    /// It reaches beyond the end.
+    pub fn range(&self, file_bytes: u64) -> Result<Range<u64>, PackError> {
+        let Self { offset, bytes, .. } = *self;
+        let end = offset.checked_add(bytes).filter(|end| *end <= file_bytes);
+        end.map(|end| offset..end).ok_or_else(|| {
+            let within = format!("within {}", counted(file_bytes, "byte"));
+            let field = format!("side table {}", self.name);
+            PackError::new(&field, format!("{offset}+{bytes}"), within)
+        })
+    }
 }

@@ -1,4 +1,4 @@
-//! Where in the view does each unit refine what is drawn?
+//! Where in the view does each unit refine what is drawn, or what is it worth there?
 //!
 //! Measured in the picture that is on screen, so that what is hidden counts nothing. A GPU measures
 //! it, and no two of them draw the same: it is an input of selection, and lies in the log.
@@ -143,6 +143,32 @@ impl Footprints {
         }
         list.extend(kept);
         Ok(Self { list })
+    }
+}
+
+/// What was measured of the units of an asset.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// What parts of the view they would refine.
+    Footprints(Footprints),
+    /// What they are worth, of those that are worth something, in the order of units: visible error
+    /// that each removes, in thresholds times square degrees, by pictures of all levels.
+    Worths(Vec<(UnitId, f32)>),
+}
+
+impl Default for Measured {
+    fn default() -> Self {
+        Self::Footprints(Footprints::default())
+    }
+}
+
+impl Measured {
+    /// What units are worth, by their numbers.
+    #[must_use]
+    pub fn worths(worths: &[f64]) -> Self {
+        let worths = (0..).map(UnitId).zip(worths);
+        let worths = worths.map(|(unit, worth)| (unit, *worth as f32));
+        Self::Worths(worths.filter(|(_, worth)| *worth > 0.0).collect())
     }
 }
 

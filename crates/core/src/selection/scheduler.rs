@@ -11,7 +11,7 @@ mod view_tests;
 use super::greedy::{Catalog, CatalogBuilder, Chain, Misfit, Rule, Rung, Step};
 use crate::content::demand::{Chosen, Demand};
 use crate::content::policy::{Policy, PolicyConfig};
-use crate::perception::footprints::Footprints;
+use crate::perception::footprints::Measured;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::Model;
 
@@ -69,12 +69,12 @@ impl Scheduler {
         jods.reduce(f64::min)
     }
 
-    /// From now on the units of an asset refine these parts of the view.
+    /// From now on this is known of the units of an asset by what was drawn.
     ///
     /// # Panics
     /// There must be such an asset.
-    pub fn see(&mut self, asset: usize, footprints: &Footprints) {
-        self.demands[asset].see(footprints);
+    pub fn see(&mut self, asset: usize, measured: &Measured) {
+        self.demands[asset].see(measured);
     }
 
     /// What to show of every asset, of the frame of each. `budget` is what can arrive for it, in

@@ -1,10 +1,13 @@
 //! What goes into a session, and what comes out of it?
 
-use crate::content::unit::UnitRef;
+use crate::content::policy::PolicyConfig;
+use crate::content::unit::{AssetId, UnitRef};
+use crate::perception::footprints::Measured;
 use crate::perception::moment::Moment;
 use crate::session::log::SessionFrame;
 use crate::session::unit_states::Piece;
 use crate::units::Seconds;
+use crate::view::mounted::MountedPanel;
 use std::collections::HashMap;
 
 /// The moment that a step is made for.
@@ -41,7 +44,7 @@ pub enum Pace {
 }
 
 /// What happened outside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SessionEvent {
     /// A piece was decoded, and frames of its unit with it; the side that decoded it keeps it
     /// until it is to be uploaded or dropped.
@@ -63,6 +66,62 @@ pub enum SessionEvent {
     TableLoaded,
     /// The device that drew is gone, and what was on it.
     DeviceLost,
+    /// Another policy is asked for.
+    PolicyChosen(Box<PolicyConfig>),
+    /// What the link brings from now on.
+    LinkRate {
+        /// In bytes a second.
+        bytes_per_s: f64,
+    },
+    /// The link brought bytes besides what was bought, as index pages of it: so much less is bought
+    /// from now on.
+    Charged {
+        /// How many.
+        bytes: u64,
+    },
+    /// What is spent counts from here, by the clock of gazes.
+    BeganAt(Seconds),
+    /// Every moment is seen through these panels, turned with its head: as
+    /// [`MountedPanel::views`] gives them.
+    Mounted(Vec<MountedPanel>),
+    /// What units may take on the GPU from now on: the pictures of what draws take the rest.
+    GpuRoom {
+        /// In bytes.
+        bytes: u64,
+    },
+    /// What stayed on the GPU without being shown gave way to something else there.
+    Evicted(Vec<Piece>),
+    /// The viewer went elsewhere in time.
+    Jumped,
+    /// Whether what was drawn is being measured, and [`Self::Measured`] follows.
+    Measuring {
+        /// Whether it is.
+        is_under_way: bool,
+    },
+    /// What is known from now on of the units of an asset by what was drawn.
+    Measured {
+        /// Whose units.
+        asset: AssetId,
+        /// What of the view they would refine, or are worth: whichever the policy asks for.
+        measured: Measured,
+    },
+    /// What was to be shown was drawn.
+    Drawn {
+        /// How long after it was chosen.
+        took: Seconds,
+    },
+    /// What [`SessionAction::Count`] asked for.
+    Counted {
+        /// Bytes of GPU memory in use.
+        gpu_bytes: u64,
+        /// Units on screen with another frame than their own.
+        wrong_frame_units: u64,
+    },
+    /// The GPU's driver complained.
+    GpuErrors {
+        /// How often, since it was last asked.
+        count: u64,
+    },
 }
 
 /// What is to be done outside, in this order.
@@ -72,10 +131,18 @@ pub enum SessionAction {
     Want(Vec<Piece>),
     /// From now on this frame is shown.
     BeginFrame(u32),
-    /// This piece, which was decoded, goes to where it is drawn from.
+    /// This piece, which was decoded, goes to where it is drawn from, and is shown.
     Upload(Piece),
-    /// All but these and the coarsest level are to be evicted.
-    Keep(Vec<UnitRef>),
+    /// This piece, which stayed there, is shown again.
+    Show(Piece),
+    /// What is there is shown, may stay there, or is to be evicted.
+    Keep {
+        /// These and the coarsest level are shown, and nothing else.
+        shown: Vec<UnitRef>,
+        /// These stay as long as nothing takes their places, first what is to stay longest; each
+        /// after those that it needs.
+        staying: Vec<UnitRef>,
+    },
     /// This piece, which was decoded, is not needed.
     Drop(Piece),
     /// Lines of the session log.
@@ -83,7 +150,7 @@ pub enum SessionAction {
     /// What was chosen, as the log records it.
     Chosen(Box<SessionFrame>),
     /// Something was shown, evicted or refined: how much memory is in use, and whether pieces of
-    /// other frames are on screen, is to be reported.
+    /// other frames are on screen, is to be reported: by [`SessionEvent::Counted`].
     Count,
 }
 

@@ -69,6 +69,10 @@ pub struct Figures {
     pub share: f64,
     /// Bytes of GPU memory in use.
     pub gpu_bytes: u64,
+    /// Bytes of units that were fetched, each time they were.
+    pub fetched_bytes: u64,
+    /// Those of them that had been fetched before, and had left the client's memory since.
+    pub refetched_bytes: u64,
 }
 
 impl Figures {

@@ -13,6 +13,7 @@ use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
 use crate::perception::parameters::EyeState;
 use crate::selection::scheduler::Scheduler;
+use crate::session::recorded::measured;
 use crate::units::{Radians, Seconds, one_line};
 use crate::view::eye_view::{EyeView, Field};
 use crate::view::mounted::MountedPanel;
@@ -526,7 +527,7 @@ impl SessionLogPart {
                 // That they are some was checked on reading.
                 if let Some(after) = changes.and_then(|changes| seen.after(changes).ok()) {
                     *seen = after;
-                    scheduler.see(asset, seen);
+                    scheduler.see(asset, &measured(seen, policy));
                 }
             }
             let moment = frame.moment(&self.head);

@@ -3,11 +3,14 @@
 pub mod actions;
 pub mod bounds;
 pub mod budget;
+mod client_memory;
+pub mod decoder;
 pub mod figures;
 pub mod log;
 pub mod log_of_parts;
 pub mod media_clock;
 mod policy_run;
+mod recorded;
 pub mod scripted;
 #[allow(
     clippy::module_inception,

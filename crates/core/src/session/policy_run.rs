@@ -7,11 +7,12 @@
 use crate::content::demand::{Chosen, Content, Record};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::unit::{AssetId, UnitRef};
-use crate::perception::footprints::Footprints;
+use crate::perception::footprints::{Footprints, Measured};
 use crate::perception::moment::Moment;
 use crate::selection::scheduler::Scheduler;
 use crate::session::budget::Budget;
 use crate::session::log::{AssetHead, SessionFrame, SessionHead, SessionLogPart};
+use crate::session::recorded::recorded;
 use crate::units::{Radians, Seconds};
 use crate::view::axes::angle_between;
 use crate::view::eye_view::{EyeView, Field};
@@ -48,19 +49,19 @@ pub(super) struct PolicyRun {
     /// Something is missing by which a frame is chosen for as it was asked.
     awaited: Option<Vec<u32>>,
     last: Option<Last>,
-    footprints: SeenFootprints,
+    measured: MeasuredUnits,
 }
 
-/// What parts of the view the units of each asset would refine, as far as that is measured.
+/// What is known of the units of each asset by what was drawn.
 #[derive(Debug)]
-struct SeenFootprints {
-    /// Whether they are, once something is drawn.
+struct MeasuredUnits {
+    /// Whether anything is, once something is drawn.
     are_measured: bool,
-    /// Those measured last; empty before.
-    now: Vec<Footprints>,
-    /// Those in the running part of the log.
+    /// What was measured last; empty before.
+    now: Vec<Measured>,
+    /// What the running part of the log records.
     logged: Vec<Footprints>,
-    /// Whether some came since the last choice that are not what they were.
+    /// Whether something came since the last choice that is not what it was.
     are_new: bool,
 }
 
@@ -93,7 +94,7 @@ impl PolicyRun {
         measures: bool,
     ) -> Self {
         Self {
-            footprints: SeenFootprints {
+            measured: MeasuredUnits {
                 are_measured: measures,
                 now: Vec::new(),
                 logged: vec![Footprints::default(); scene.len()],
@@ -153,17 +154,17 @@ impl PolicyRun {
         }
     }
 
-    /// The units of an asset would refine these parts of what is drawn.
-    pub(super) fn see(&mut self, asset: AssetId, footprints: Footprints) {
-        let seen = &mut self.footprints;
-        seen.are_new |= seen.now.get(usize::from(asset.0)) != Some(&footprints);
-        seen.now.resize(self.scene.len(), Footprints::default());
-        seen.now[usize::from(asset.0)] = footprints;
+    /// From now on this is known of the units of an asset by what was drawn.
+    pub(super) fn see(&mut self, asset: AssetId, measured: Measured) {
+        let units = &mut self.measured;
+        units.are_new |= units.now.get(usize::from(asset.0)) != Some(&measured);
+        units.now.resize(self.scene.len(), Measured::default());
+        units.now[usize::from(asset.0)] = measured;
     }
 
     /// Whether choosing takes what parts of the view units would refine.
     pub(super) fn needs_footprints(&self) -> bool {
-        self.footprints.are_measured && self.using.policy == Policy::Perceptual
+        self.measured.are_measured && self.using.policy == Policy::Perceptual
     }
 
     /// Whether the picture stands from now on, and may wait for what takes long to arrive.
@@ -224,7 +225,7 @@ impl PolicyRun {
 
     /// Whether the choice for `now` could be another than for `before`.
     pub(super) fn differs(&self, now: &Moment, before: &Moment) -> bool {
-        let are_new = self.footprints.are_new && self.needs_footprints();
+        let are_new = self.measured.are_new && self.needs_footprints();
         are_new || self.may_go_on(now.gaze.time.0) || differs(now, before, self.asked.policy)
     }
 
@@ -291,7 +292,7 @@ impl PolicyRun {
             saved.saturating_add(paid)
         });
         // What is hidden is not known before something is drawn.
-        let is_blind = self.needs_footprints() && self.footprints.now.is_empty();
+        let is_blind = self.needs_footprints() && self.measured.now.is_empty();
         let bytes = if is_blind { Some(0) } else { bytes };
         let picked = self.pick(head, frames, moment, bytes);
         if let Some(budget) = self.budget.as_mut().filter(|_| spends) {
@@ -345,7 +346,7 @@ impl PolicyRun {
             };
             log = part.write();
             self.running = None;
-            self.footprints.logged.fill(Footprints::default());
+            self.measured.logged.fill(Footprints::default());
         }
         let (scheduler, head) = self.running.get_or_insert_with(|| {
             let demand =
@@ -355,12 +356,13 @@ impl PolicyRun {
         });
         let mut changes = Vec::new();
         if needs_footprints {
-            let seen = &mut self.footprints;
-            seen.are_new = false;
-            for (asset, now) in seen.now.iter().enumerate() {
-                changes.push(now.since(&seen.logged[asset]));
+            let units = &mut self.measured;
+            units.are_new = false;
+            for (asset, now) in units.now.iter().enumerate() {
+                let recorded = recorded(now);
+                changes.push(recorded.since(&units.logged[asset]));
                 scheduler.see(asset, now);
-                seen.logged[asset].clone_from(now);
+                units.logged[asset] = recorded;
             }
         }
         let chosen = scheduler.choose(frames, moment, budget);

@@ -6,7 +6,9 @@
 //! and all units are of that frame. A frame that stays, paused or still, is refined until nothing
 //! is missing.
 
+mod arriving;
 mod asked;
+mod choosing;
 mod presenting;
 #[cfg(test)]
 mod tests;
@@ -15,25 +17,18 @@ mod wanting;
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
 use crate::content::unit::UnitRef;
-use crate::pack::unit::UnitId;
 use crate::perception::moment::Moment;
 use crate::session::actions::{Now, Pace, SessionAction, SessionEvent};
 use crate::session::bounds::Bounds;
 use crate::session::budget::Budget;
+use crate::session::client_memory::ClientMemory;
 use crate::session::figures::Figures;
-use crate::session::policy_run::{Picked, PolicyRun};
+use crate::session::policy_run::PolicyRun;
 use crate::session::unit_states::{Piece, UnitState, UnitStates};
 use crate::units::Seconds;
 use crate::view::timeline::Timeline;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-/// How long a paused picture may stay as it is before the next one is shown unfinished.
-const PATIENCE_S: f64 = 0.25;
-/// Longest time that a frame is begun ahead of its own.
-const MOST_LEAD_S: f64 = 1.0;
-/// A picture is not chosen again more often than this while the view moves.
-const CHOOSE_EVERY_S: f64 = 0.03;
 
 /// What a session begins with.
 #[derive(Clone, Debug)]
@@ -47,14 +42,63 @@ pub struct SessionSettings {
     pub since: Option<Seconds>,
     /// Whether the view can be zoomed: then less is kept fine outside a narrow one.
     pub zooms: bool,
-    /// Whether [`Session::see`] receives what parts of the view units would refine, once something
-    /// is drawn.
+    /// Whether [`SessionEvent::Measured`] reports what parts of the view units would refine, once
+    /// something is drawn.
     pub measures: bool,
     /// What is kept below; by default nothing that can be played comes near.
     pub bounds: Bounds,
 }
 
 /// One viewer's run over a scene.
+///
+/// A session opens no file, waits for nothing and reads no clock. Its caller uses methods
+/// of four groups, which stand here in the order of one round.
+///
+/// **Events** report what happened: [`Self::take`], any number before a step, in the order in
+/// which they happened. What was decoded or found damaged counts from the next step on, all else
+/// at once. [`SessionEvent::Mounted`] and [`SessionEvent::BeganAt`] are for the time before
+/// anything is chosen. What draws reports [`SessionEvent::GpuRoom`] and [`SessionEvent::Measured`]
+/// before the step that is to choose by them, and [`SessionEvent::Evicted`] before the next step:
+/// what a step shows again must still be there.
+///
+/// **Commands** do in one call what no round does. [`Self::fetch_anew`] forgets what is on its way
+/// and on the GPU, after something that draws threw away what it held; whatever still comes of it
+/// is dropped, and what was fetched stays in main memory. [`Self::pass`] chooses for a frame that
+/// is not shown. [`Self::begin_frame`] begins a frame that is made by itself, at
+/// [`Pace::FrameByFrame`].
+///
+/// **The step**, [`Self::step`], moves on to a moment and returns what is to be done. These
+/// actions are carried out in their order, and all of them: a later one stands on those before.
+/// [`SessionAction::Want`] takes the place of the one before it: what is not in it any more need
+/// not come, and may all the same. Each piece that came is kept outside until an action uploads
+/// or drops it. What is done need not be reported, but for [`SessionAction::Count`], which
+/// [`SessionEvent::Counted`] answers.
+///
+/// **Getters** change nothing, and say how it stands after the last event, command or step.
+///
+/// *Time.* Every time is an argument, of [`Now`]. `wall` never runs backwards; `media` does after
+/// [`SessionEvent::Jumped`]; the gaze has its own clock, by which bytes are spent. A session does
+/// not ask to be woken. While content plays it is stepped at each picture of the screen, or at
+/// [`Self::next_due`]; while it stands, again after events, when [`Self::is_behind`] where the
+/// viewer looks, and until it [`Self::is_settled`].
+///
+/// *The same calls give the same actions*, bit for bit, on every machine.
+///
+/// ```
+/// use foveal_core::session::actions::{Now, SessionAction, SessionEvent};
+/// use foveal_core::session::session::Session;
+///
+/// /// A round before a side that decodes in no time, and draws nothing.
+/// fn round(session: &mut Session, now: &Now) {
+///     for action in session.step(now) {
+///         if let SessionAction::Want(pieces) = action {
+///             for piece in pieces {
+///                 session.take(SessionEvent::Decoded { piece, frames: 1 });
+///             }
+///         }
+///     }
+/// }
+/// ```
 #[derive(Debug)]
 pub struct Session {
     scene: Vec<Arc<dyn Content>>,
@@ -63,8 +107,7 @@ pub struct Session {
     timeline: Timeline,
     run: PolicyRun,
     states: UnitStates,
-    /// What is counted.
-    pub figures: Figures,
+    figures: Figures,
     shown: Option<Staged>,
     coming: Option<Staged>,
     bounds: Bounds,
@@ -78,6 +121,10 @@ pub struct Session {
     held_back: HashMap<Piece, Vec<Piece>>,
     /// Bytes of what is on the GPU.
     resident_bytes: u64,
+    /// What stays there without being shown, by the choice at which it left the picture.
+    staying: HashMap<Piece, u64>,
+    /// What was fetched and is still there.
+    memory: ClientMemory,
     /// What came since the last step.
     arrived: Vec<Arrived>,
     actions: Vec<SessionAction>,
@@ -90,8 +137,8 @@ pub struct Session {
     damaged: Option<u64>,
     /// Something was uploaded or evicted that is not counted yet.
     uncounted: bool,
-    /// Whether footprints are under way.
-    expects_footprints: bool,
+    /// Whether what was drawn is being measured.
+    is_measuring: bool,
 }
 
 /// A piece that was decoded, or found damaged, with as many frames as that took.
@@ -165,30 +212,67 @@ impl Session {
             must_ask_anew: false,
             held_back: HashMap::new(),
             resident_bytes: 0,
+            staying: HashMap::new(),
+            memory: ClientMemory::new(settings.bounds.client),
             arrived: Vec::new(),
             actions: Vec::new(),
             jumped: false,
             lead: 0.0,
             damaged: None,
             uncounted: false,
-            expects_footprints: false,
+            is_measuring: false,
         }
     }
 
-    /// Something happened. What came counts from the next step on, a table and a lost device at
-    /// once.
+    /// Something happened. What came counts from the next step on, all else at once.
+    ///
+    /// # Panics
+    /// What was measured must be of an asset of the scene.
     pub fn take(&mut self, event: SessionEvent) {
         match event {
-            SessionEvent::DeviceLost => {
-                self.fetch_anew();
-                self.figures.lost_devices += 1;
-            }
+            SessionEvent::Decoded { piece, frames } => self.arrive(piece, frames, false),
+            SessionEvent::Damaged { piece, frames } => self.arrive(piece, frames, true),
             SessionEvent::TableLoaded => {
                 self.moves = moves(&self.scene);
                 self.timeline = timeline_of(&self.scene);
             }
-            SessionEvent::Decoded { piece, frames } => self.arrive(piece, frames, false),
-            SessionEvent::Damaged { piece, frames } => self.arrive(piece, frames, true),
+            SessionEvent::DeviceLost => {
+                self.fetch_anew();
+                self.figures.lost_devices += 1;
+            }
+            SessionEvent::PolicyChosen(config) => {
+                self.run.change(*config);
+                self.forget_choice();
+            }
+            SessionEvent::LinkRate { bytes_per_s } => self.run.set_bytes_per_s(bytes_per_s),
+            SessionEvent::Charged { bytes } => self.run.charge(bytes),
+            SessionEvent::BeganAt(time) => self.run.begin_at(time),
+            SessionEvent::Mounted(panels) => self.run.show_on(panels),
+            SessionEvent::GpuRoom { bytes } => {
+                self.bounds.gpu = bytes;
+                self.leave_room(0);
+            }
+            SessionEvent::Evicted(pieces) => pieces.into_iter().for_each(|it| self.lose(it)),
+            SessionEvent::Jumped => {
+                self.give_up_coming();
+                self.lead = 0.0;
+                self.jumped = true;
+                self.damaged = None;
+            }
+            SessionEvent::Measuring { is_under_way } => self.is_measuring = is_under_way,
+            SessionEvent::Measured { asset, measured } => self.run.see(asset, measured),
+            SessionEvent::Drawn { took } => {
+                let period = self.period();
+                self.figures.drawn(took.0, period);
+            }
+            SessionEvent::Counted {
+                gpu_bytes,
+                wrong_frame_units,
+            } => {
+                self.figures.gpu_bytes = gpu_bytes;
+                self.figures.wrong_frame_units += wrong_frame_units;
+            }
+            SessionEvent::GpuErrors { count } => self.figures.gpu_errors += count,
         }
     }
 
@@ -201,22 +285,6 @@ impl Session {
         });
     }
 
-    /// Moves on to `now`: shows what is due, and orders what comes. What is to be done is handed
-    /// out in order.
-    pub fn step(&mut self, now: &Now) -> Vec<SessionAction> {
-        self.run.stand(now.pace == Pace::Standing);
-        self.take_events(now);
-        if self.is_due(now) {
-            self.present(now);
-        }
-        self.hand_out_more();
-        self.order(now);
-        if now.pace == Pace::Standing {
-            self.settle(now);
-        }
-        std::mem::take(&mut self.actions)
-    }
-
     /// Fetches everything once more: what shows it keeps nothing.
     pub fn fetch_anew(&mut self) {
         self.shown = None;
@@ -225,24 +293,11 @@ impl Session {
         self.waiting.clear();
         self.held_back.clear();
         self.resident_bytes = 0;
+        self.staying.clear();
         for piece in self.states.in_state(UnitState::Cached) {
             self.actions.push(SessionAction::Drop(piece));
         }
         self.states.clear();
-    }
-
-    /// Chooses by another policy from now on.
-    pub fn change_policy(&mut self, config: PolicyConfig) {
-        self.run.change(config);
-        self.forget_choice();
-    }
-
-    /// The viewer goes elsewhere in time.
-    pub fn jump(&mut self) {
-        self.give_up_coming();
-        self.lead = 0.0;
-        self.jumped = true;
-        self.damaged = None;
     }
 
     /// Chooses for a frame that is not shown: what is chosen later depends on what was before.
@@ -262,323 +317,20 @@ impl Session {
         std::mem::take(&mut self.actions)
     }
 
-    /// Puts what was decoded where it belongs.
-    fn take_events(&mut self, now: &Now) {
-        for arrived in std::mem::take(&mut self.arrived) {
-            let samples = self.unit(arrived.piece).samples;
-            self.figures.decoded(u64::from(arrived.frames) * samples);
-            match arrived.is_damaged {
-                true => self.give_up(arrived.piece),
-                false => self.place(arrived.piece),
-            }
+    /// Moves on to `now`: shows what is due, and orders what comes. What is to be done is handed
+    /// out in order.
+    pub fn step(&mut self, now: &Now) -> Vec<SessionAction> {
+        self.run.stand(now.pace == Pace::Standing);
+        self.take_events(now);
+        if self.is_due(now) {
+            self.present(now);
         }
-        let lost = |piece: &&Piece| {
-            let asset = &self.scene[usize::from(piece.unit.asset.0)];
-            asset.is_lost(piece.unit.unit)
-        };
-        let lost: Vec<Piece> = self.requested.iter().filter(lost).copied().collect();
-        lost.into_iter().for_each(|piece| self.give_up(piece));
         self.hand_out_more();
-        let has_no_room = self.has_no_room();
-        let (states, figures) = (&self.states, &mut self.figures);
-        for (staged, is_full) in [(&mut self.shown, false), (&mut self.coming, has_no_room)] {
-            let Some(staged) = staged else {
-                continue;
-            };
-            if staged.complete.is_none() && (is_full || staged.is_whole(states)) {
-                staged.complete = Some(now.wall.0);
-                figures.complete(now.wall.0 - staged.begun);
-            }
+        self.order(now);
+        if now.pace == Pace::Standing {
+            self.settle(now);
         }
-    }
-
-    /// Keeps a piece for the frame that comes, or shows it in the one that is there.
-    fn place(&mut self, piece: Piece) {
-        self.requested.retain(|requested| *requested != piece);
-        let wants = |staged: &Option<Staged>| {
-            let staged = staged.as_ref();
-            staged.is_some_and(|staged| staged.shows.contains(&piece))
-        };
-        let state = self.states.of(piece);
-        let is_awaited = state == Some(UnitState::Requested);
-        if state == Some(UnitState::Cached) {
-            // It came twice, and one payload took the place of the other.
-        } else if is_awaited && wants(&self.coming) {
-            self.states.set(piece, UnitState::Cached);
-        } else if is_awaited && wants(&self.shown) {
-            self.states.set(piece, UnitState::Cached);
-            self.show_arrived(piece, true);
-        } else if !self.is_taken(piece) {
-            self.actions.push(SessionAction::Drop(piece));
-        }
-    }
-
-    /// Shows what came for the frame on screen, once all that it needs is there, and what waited
-    /// for it; `makes_room` where others may have to be evicted first.
-    fn show_arrived(&mut self, piece: Piece, makes_room: bool) {
-        let mut open = vec![piece];
-        while let Some(piece) = open.pop() {
-            if self.states.of(piece) != Some(UnitState::Cached) {
-                continue;
-            }
-            let missing = self.needs(piece).find(|it| !self.states.is_resident(*it));
-            if let Some(missing) = missing {
-                self.held_back.entry(missing).or_default().push(piece);
-                continue;
-            }
-            if makes_room {
-                self.make_room(piece);
-            }
-            self.upload(piece);
-            open.extend(self.held_back.remove(&piece).unwrap_or_default());
-        }
-    }
-
-    /// Whether what came of a piece is uploaded or dropped by what is to be done already: it came
-    /// twice before one step, and one payload took the place of the other.
-    fn is_taken(&self, piece: Piece) -> bool {
-        let takes = [SessionAction::Upload(piece), SessionAction::Drop(piece)];
-        self.actions.iter().any(|action| takes.contains(action))
-    }
-
-    /// Brings what was decoded onto the screen.
-    fn upload(&mut self, piece: Piece) {
-        let bytes = self.unit(piece).gpu_bytes;
-        self.resident_bytes += bytes;
-        self.uncounted = true;
-        self.figures.uploaded(bytes);
-        self.states.set(piece, UnitState::Resident);
-        self.states.set(piece, UnitState::Shown);
-        self.actions.push(SessionAction::Upload(piece));
-    }
-
-    /// Goes on without a piece: a coarser level stands in, and for the coarsest the frame before.
-    fn give_up(&mut self, piece: Piece) {
-        self.requested.retain(|requested| *requested != piece);
-        if self.states.of(piece) != Some(UnitState::Requested) {
-            return;
-        }
-        self.figures.damaged_units += 1;
-        self.states.set(piece, UnitState::Damaged);
-        let is_base = self.is_base(piece) && !self.is_spared(piece);
-        let is_of_coming = self.coming.as_ref().filter(|it| it.shows.contains(&piece));
-        if let Some(coming) = is_of_coming.filter(|_| is_base) {
-            self.damaged = Some(coming.tick);
-            self.give_up_coming();
-            self.figures.damaged_frames += 1;
-        }
-    }
-
-    /// Whether a damaged piece of the coarsest level leaves others that are shown without it.
-    fn is_spared(&self, piece: Piece) -> bool {
-        let asset = &self.scene[usize::from(piece.unit.asset.0)];
-        let is_whole = |unit: UnitId| {
-            let unit = UnitRef { unit, ..piece.unit };
-            self.states.of(Piece { unit, ..piece }) != Some(UnitState::Damaged)
-        };
-        asset.stands_in_parts() && asset.base(piece.frame).into_iter().any(is_whole)
-    }
-
-    /// The frame that was coming does not come.
-    fn give_up_coming(&mut self) {
-        let Some(coming) = self.coming.take() else {
-            return;
-        };
-        self.waiting.clear();
-        self.must_ask_anew = true;
-        self.let_go(&coming.wanted);
-    }
-
-    /// Forgets pieces that nothing shows.
-    fn let_go(&mut self, pieces: &[Piece]) {
-        let is_kept = |staged: &Option<Staged>, piece: &Piece| {
-            let staged = staged.as_ref();
-            staged.is_some_and(|staged| staged.shows.contains(piece))
-        };
-        for piece in pieces {
-            if is_kept(&self.shown, piece) || is_kept(&self.coming, piece) {
-                continue;
-            }
-            match self.states.of(*piece) {
-                Some(UnitState::Cached) => {
-                    self.actions.push(SessionAction::Drop(*piece));
-                    self.states.drop(*piece);
-                }
-                Some(UnitState::Requested | UnitState::Damaged) => self.states.drop(*piece),
-                Some(UnitState::Resident | UnitState::Shown) | None => {}
-            }
-        }
-    }
-
-    fn frames_of(&self, tick: u64) -> Vec<u32> {
-        let frame = self.timeline.frame_of(tick);
-        let frame_of = |moves: &bool| if *moves { frame } else { 0 };
-        self.moves.iter().map(frame_of).collect()
-    }
-
-    /// Orders units for the frame that comes, or for the one that stays.
-    fn order(&mut self, now: &Now) {
-        if matches!(now.pace, Pace::FrameByFrame | Pace::FrameIsOver) {
-            return;
-        }
-        let target = self.target(now);
-        let stands = now.pace != Pace::Playing;
-        if stands && self.shown_tick() == Some(target) {
-            self.jumped = false;
-            self.give_up_coming();
-            if self.must_ask_anew {
-                self.want_missing(now);
-            }
-            return self.refine(now);
-        }
-        // Damaged frames are given up one by one as they are due, not as fast as they fail.
-        let due = self.timeline.tick_at(now.media);
-        let is_given_up = |tick: u64| match stands {
-            false => tick > due,
-            true => tick == target,
-        };
-        if self.damaged.is_some_and(is_given_up) {
-            self.give_up_coming();
-            return;
-        }
-        // A frame under way is shown, however late, before another is begun; but not one that was
-        // begun before it was known how long the one on screen is drawn.
-        let period = self.period().0;
-        let fits = |coming: &Staged| match stands {
-            false if now.drawing.0 > coming.drawing + period => coming.tick >= target,
-            false => coming.tick <= target + 1 || self.lead > 0.0,
-            true => coming.tick == target,
-        };
-        if !self.coming.as_ref().is_some_and(fits) {
-            self.give_up_coming();
-            self.coming = Some(self.staged(target, now));
-        }
-        self.choose_coming(now);
-    }
-
-    /// The tick to work on: the one that is due, or playing the one after what is on screen.
-    fn target(&self, now: &Now) -> u64 {
-        let due = self.timeline.tick_at(now.media);
-        if now.pace != Pace::Playing {
-            return due;
-        }
-        let shown = self.shown_tick().filter(|_| !self.jumped);
-        let after = |tick: Option<u64>| tick.map_or(0, |tick| tick + 1);
-        // What follows the frame on screen is shown once that has been drawn.
-        let lead = shown.map_or(self.lead, |_| self.lead.max(now.drawing.0));
-        let ahead = self.timeline.tick_at(Seconds(now.media.0 + lead));
-        due.max(ahead).max(after(shown)).max(after(self.damaged))
-    }
-
-    fn staged(&self, tick: u64, now: &Now) -> Staged {
-        Staged {
-            tick,
-            frame: self.timeline.frame_of(tick),
-            frames: self.frames_of(tick),
-            moment: None,
-            chosen: f64::NEG_INFINITY,
-            wanted: Vec::new(),
-            shows: HashSet::new(),
-            begun: now.wall.0,
-            drawing: now.drawing.0,
-            complete: None,
-        }
-    }
-
-    /// Chooses the units of the frame that comes, once, and again while it takes long.
-    fn choose_coming(&mut self, now: &Now) {
-        let Some(coming) = &self.coming else {
-            return;
-        };
-        let first = coming.wanted.is_empty();
-        let old = now.wall.0 - coming.chosen > CHOOSE_EVERY_S;
-        let stays = now.pace == Pace::Standing || now.wall.0 - coming.begun > 0.1;
-        if first || old && stays && self.differs(&now.moment, coming) {
-            let coming = self.coming.take();
-            self.coming = coming.map(|coming| self.choose(coming, now));
-            self.want_missing(now);
-        } else if self.must_ask_anew {
-            self.want_missing(now);
-        }
-    }
-
-    /// Whether other units could be chosen for a frame than it has.
-    fn differs(&self, now: &Moment, staged: &Staged) -> bool {
-        let before = staged.moment.as_ref();
-        before.is_none_or(|before| self.run.differs(now, before))
-    }
-
-    /// Chooses the units of the frame that stays again when the viewer looks elsewhere.
-    fn refine(&mut self, now: &Now) {
-        let Some(shown) = &self.shown else {
-            return;
-        };
-        let old = now.wall.0 - shown.chosen > CHOOSE_EVERY_S;
-        if old && self.differs(&now.moment, shown) {
-            let shown = self.shown.take().map(|shown| Staged {
-                begun: now.wall.0,
-                ..shown
-            });
-            self.shown = shown.map(|shown| self.choose(shown, now));
-            self.want_missing(now);
-        }
-    }
-
-    /// Chooses what a frame shows.
-    fn choose(&mut self, staged: Staged, now: &Now) -> Staged {
-        let Picked { units, log, line } = self.run.choose(&staged.frames, &now.moment, now.until);
-        self.write(log, line);
-        let wanted: Vec<Piece> = units.into_iter().map(|unit| staged.piece(unit)).collect();
-        let wanted = self.fitting(wanted, now);
-        let before = staged.wanted;
-        let staged = Staged {
-            shows: wanted.iter().copied().collect(),
-            wanted,
-            moment: Some(now.moment.clone()),
-            chosen: now.wall.0,
-            complete: None,
-            ..staged
-        };
-        let gone = before.iter().filter(|piece| !staged.shows.contains(piece));
-        let gone: Vec<Piece> = gone.copied().collect();
-        self.let_go(&gone);
-        staged
-    }
-
-    fn write(&mut self, log: String, line: Option<crate::session::log::SessionFrame>) {
-        if !log.is_empty() {
-            self.actions.push(SessionAction::Log(log));
-        }
-        self.actions
-            .extend(line.map(|line| SessionAction::Chosen(Box::new(line))));
-    }
-
-    /// Chooses again at the next step, wherever the viewer looks.
-    fn forget_choice(&mut self) {
-        if let Some(shown) = &mut self.shown {
-            shown.chosen = f64::NEG_INFINITY;
-            shown.moment = None;
-        }
-        self.give_up_coming();
-    }
-
-    /// Evicts what is not wanted any more once all that is wanted is there.
-    fn settle(&mut self, now: &Now) {
-        let Some(shown) = &mut self.shown else {
-            return;
-        };
-        if shown.complete.is_none() && shown.is_whole(&self.states) {
-            shown.complete = Some(now.wall.0);
-        }
-        let coming = self.coming.as_ref();
-        let is_awaited = |piece: &Piece| coming.is_some_and(|it| it.shows.contains(piece));
-        let stale = |piece: &Piece| !shown.shows.contains(piece) && !is_awaited(piece);
-        if shown.complete.is_some() && self.states.resident().iter().any(stale) {
-            self.evict_others();
-        }
-        if self.uncounted {
-            self.count();
-        }
+        std::mem::take(&mut self.actions)
     }
 }
 

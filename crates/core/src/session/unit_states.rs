@@ -20,7 +20,8 @@ pub enum UnitState {
     Requested,
     /// It was decoded, and waits to be shown.
     Cached,
-    /// It is on the GPU.
+    /// It is on the GPU, and stays there though the picture is made without it, until its place is
+    /// needed.
     Resident,
     /// It is on the GPU, and part of the picture.
     Shown,
@@ -55,11 +56,18 @@ impl UnitStates {
         matches!(self.of(piece), Some(UnitState::Resident | UnitState::Shown))
     }
 
+    /// Whether it is part of the picture.
+    #[must_use]
+    pub fn is_shown(&self, piece: Piece) -> bool {
+        self.of(piece) == Some(UnitState::Shown)
+    }
+
     /// Brings a piece into a state.
     ///
     /// # Panics
     /// States change along their edges only: what is absent is requested, what was requested is
-    /// decoded or found damaged, what was decoded is uploaded, what is resident is shown.
+    /// decoded or found damaged, what was decoded is uploaded, what is resident is shown, and what
+    /// was shown is resident.
     pub(super) fn set(&mut self, piece: Piece, to: UnitState) {
         let from = self.states.insert(piece, to);
         assert!(
@@ -103,7 +111,7 @@ fn is_an_edge(from: Option<UnitState>, to: UnitState) -> bool {
     match to {
         Requested => matches!(from, None | Some(Requested)),
         Cached | Damaged => from == Some(Requested),
-        Resident => from == Some(Cached),
+        Resident => matches!(from, Some(Cached | Shown)),
         Shown => from == Some(Resident),
     }
 }
@@ -114,7 +122,7 @@ mod tests {
     use UnitState::{Cached, Damaged, Requested, Resident, Shown};
 
     #[test]
-    fn a_piece_comes_step_by_step_and_never_back_but_by_being_dropped() {
+    fn a_piece_comes_step_by_step_and_goes_back_out_of_the_picture_or_by_being_dropped() {
         let all = [Requested, Cached, Resident, Shown, Damaged];
         let way = [Some(Requested), Some(Cached), Some(Resident), Some(Shown)];
         for from in way.into_iter().chain([None, Some(Damaged)]) {
@@ -124,7 +132,8 @@ mod tests {
                 Some(Requested) => &[Requested, Cached, Damaged],
                 Some(Cached) => &[Resident],
                 Some(Resident) => &[Shown],
-                Some(Shown | Damaged) => &[],
+                Some(Shown) => &[Resident],
+                Some(Damaged) => &[],
             };
             assert_eq!(next, expected, "{from:?}");
         }

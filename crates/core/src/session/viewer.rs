@@ -8,7 +8,7 @@ mod tests;
 
 use crate::gaze::pointer::Pointer;
 use crate::perception::moment::Moment;
-use crate::session::actions::{Now, Pace};
+use crate::session::actions::{Now, Pace, SessionEvent};
 use crate::session::media_clock::MediaClock;
 use crate::session::session::Session;
 use crate::units::Seconds;
@@ -167,7 +167,7 @@ impl Viewer {
     pub fn seek(&mut self, session: &mut Session, to: Seconds, now: Seconds) {
         self.ended = false;
         self.clock.seek(to, now);
-        session.jump();
+        session.take(SessionEvent::Jumped);
     }
 
     /// Goes forward or back, not beyond the ends of the round that is under way.
@@ -354,7 +354,7 @@ impl Viewer {
             // Most are drawn by then, and wait.
             slow
         } else if self.is_moving(session) {
-            session.figures.draw_s
+            session.figures().draw_s
         } else {
             0.0
         };
@@ -365,7 +365,7 @@ impl Viewer {
     /// How long drawing takes where some frames are left out because of it, and else 0.
     fn slow_draw(&self, session: &Session) -> Seconds {
         let moving = self.is_moving(session);
-        let slow = moving.then(|| session.figures.slow_draw(session.period()));
+        let slow = moving.then(|| session.figures().slow_draw(session.period()));
         slow.unwrap_or_default()
     }
 
@@ -402,8 +402,7 @@ impl Viewer {
     pub fn drawn(&mut self, session: &mut Session, took: Option<Seconds>) {
         self.drawn_tick = session.shown_tick();
         if let Some(took) = took.filter(|_| self.is_moving(session)) {
-            let period = session.period();
-            session.figures.drawn(took.0, period);
+            session.take(SessionEvent::Drawn { took });
         }
     }
 

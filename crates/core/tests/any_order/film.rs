@@ -6,6 +6,7 @@ use foveal_core::content::policy::{HasTables, Policy, PolicyConfig};
 use foveal_core::content::scripted::scripted_head;
 use foveal_core::content::unit::Unit;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::pack::{Entry, UnitPlace};
 use foveal_core::perception::moment::Moment;
 use foveal_core::units::Seconds;
 use foveal_core::view::axes::angle_between;
@@ -76,8 +77,11 @@ impl Content for Film {
         }
     }
 
-    fn is_lost(&self, unit: UnitId) -> bool {
-        self.lost == Some(unit)
+    fn place(&self, unit: UnitId) -> UnitPlace {
+        match self.lost == Some(unit) {
+            true => UnitPlace::Lost,
+            false => UnitPlace::At(Entry::default()),
+        }
     }
 
     fn base(&self, frame: u32) -> Vec<UnitId> {

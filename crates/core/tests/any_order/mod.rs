@@ -104,6 +104,8 @@ struct World {
     held: BTreeSet<Piece>,
     /// What was uploaded.
     gpu: BTreeMap<UnitRef, u32>,
+    /// What of it is not shown, first what is to stay longest.
+    idle: Vec<UnitRef>,
     digest: Digest,
 }
 
@@ -143,6 +145,7 @@ impl World {
             in_flight: bound(50.0, 3_000.0),
             cached: bound(1_000.0, 40_000.0),
             gpu: bound(1_000.0, 40_000.0),
+            client: bound(1_000.0, 40_000.0),
         };
         let settings = SessionSettings {
             policy: PolicyConfig::new(Policy::Acuity),
@@ -168,6 +171,7 @@ impl World {
             under_way: Vec::new(),
             held: BTreeSet::new(),
             gpu: BTreeMap::new(),
+            idle: Vec::new(),
             digest: Digest(0xcbf2_9ce4_8422_2325),
         }
     }
@@ -184,6 +188,7 @@ impl World {
     fn play(&mut self) {
         self.meddle();
         self.deliver();
+        self.evict();
         let pace = match self.plays {
             true => Pace::Playing,
             false => Pace::Standing,
@@ -215,17 +220,19 @@ impl World {
         }
         if self.chance(0.05) {
             let policy = self.policies[self.below(self.policies.len() as f64) as usize];
-            self.session.change_policy(PolicyConfig::new(policy));
+            let config = Box::new(PolicyConfig::new(policy));
+            self.session.take(SessionEvent::PolicyChosen(config));
         }
         if self.chance(0.05) {
             self.media = self.below(3.0);
-            self.session.jump();
+            self.session.take(SessionEvent::Jumped);
         }
         if self.chance(0.07) {
             self.plays = !self.plays;
         }
         if self.chance(0.02) {
             self.gpu.clear();
+            self.idle.clear();
             self.session.take(SessionEvent::DeviceLost);
         }
         if self.chance(0.03) {
@@ -260,6 +267,19 @@ impl World {
         self.session.take(SessionEvent::Decoded { piece, frames });
     }
 
+    /// Some of what stays gives way, as where its place is needed.
+    fn evict(&mut self) {
+        let mut evicted = Vec::new();
+        while self.chance(0.3) {
+            let Some(unit) = self.idle.pop() else { break };
+            let frame = self.gpu.remove(&unit);
+            evicted.extend(frame.map(|frame| Piece { unit, frame }));
+        }
+        if !evicted.is_empty() {
+            self.session.take(SessionEvent::Evicted(evicted));
+        }
+    }
+
     fn at(&self, pace: Pace) -> Now {
         looking(self.now, self.media, pace, self.gaze, 64)
     }
@@ -284,6 +304,11 @@ impl World {
                     );
                     self.gpu.insert(piece.unit, piece.frame);
                 }
+                SessionAction::Show(piece) => {
+                    let there = self.gpu.get(&piece.unit);
+                    assert_eq!(there, Some(&piece.frame), "{}: {piece:?} went", self.seed);
+                    self.idle.retain(|it| *it != piece.unit);
+                }
                 SessionAction::Drop(piece) => {
                     assert!(
                         self.held.remove(&piece),
@@ -291,8 +316,9 @@ impl World {
                         self.seed
                     );
                 }
-                SessionAction::Keep(units) => {
-                    let kept: BTreeSet<UnitRef> = units.into_iter().collect();
+                SessionAction::Keep { shown, staying } => {
+                    let kept: BTreeSet<UnitRef> = shown.iter().chain(&staying).copied().collect();
+                    self.idle = staying;
                     let scene = &self.scene;
                     let is_base = |it: &UnitRef| {
                         let asset = &scene[usize::from(it.asset.0)];
@@ -352,7 +378,7 @@ impl World {
         }
         self.under_way.clear();
         self.plays = false;
-        self.session.jump();
+        self.session.take(SessionEvent::Jumped);
         for _ in 0..PATIENCE {
             self.now += 0.05;
             self.step(Pace::Standing);
@@ -420,6 +446,10 @@ impl World {
             let frame = shown[usize::from(piece.unit.asset.0)];
             assert_eq!(piece.frame, frame, "{seed}: {piece:?} is of another frame");
         }
+        let idle: BTreeSet<UnitRef> = self.idle.iter().copied().collect();
+        let stays = states.in_state(UnitState::Resident).into_iter();
+        let stays: BTreeSet<UnitRef> = stays.map(|it| it.unit).collect();
+        assert_eq!(idle, stays, "{seed}: what stays is what is not shown");
         for (asset, (content, frame)) in (0..).map(AssetId).zip(self.scene.iter().zip(&shown)) {
             for unit in content.base(*frame) {
                 let unit = UnitRef { asset, unit };
@@ -442,7 +472,7 @@ impl World {
         for (pieces, most) in [(cached, self.bounds.cached), (resident, self.bounds.gpu)] {
             let bytes = self.bytes(pieces, |unit| unit.gpu_bytes);
             let fits = bytes <= most || pieces.iter().all(|piece| self.is_base(piece));
-            assert!(fits, "{seed}: {bytes} bytes of {most}");
+            assert!(fits, "{seed}: {bytes} bytes of {most}: {pieces:?}");
         }
         // Nothing is remembered but of the frame on screen and of the one that is worked on.
         let ticks = [

@@ -1,8 +1,8 @@
 //! What do any bytes say, read as a unit of points? Also the body of a fuzz target.
 
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::PointCut;
 use foveal_core::content::points::payload::{MOST_POINTS, PointAttributes, PointUnit};
-use foveal_core::content::scene::description::Cloud;
 use foveal_core::pack::unit::UnitId;
 
 /// Reads bytes as a unit of every kind of cloud, and stands it where it can stand alone.

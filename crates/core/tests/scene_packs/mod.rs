@@ -4,7 +4,7 @@
 
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::description::{
-    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource,
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource, Shape,
 };
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::part_ref::PartRef;
@@ -73,7 +73,7 @@ pub(crate) const ATTRIBUTES: Attributes = Attributes {
 fn description() -> SceneDescription {
     let object = SceneObject {
         name: "square".to_owned(),
-        leaf_triangles: 4,
+        shape: Shape::Mesh { leaf_triangles: 4 },
         bounds: ObjectBounds {
             centre: [0.5, 0.5, 0.0],
             radius: 1.0,
@@ -88,7 +88,6 @@ fn description() -> SceneDescription {
         colour: [1.0; 4],
         two_sided: false,
         unlit: false,
-        points: None,
         placements: vec![[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]],
         texturing: None,
     };

@@ -97,13 +97,13 @@ pub(crate) fn table_bytes(pack: &VideoPack) -> [usize; 2] {
 
 /// Units with their rows of the tables.
 #[derive(Debug)]
-struct Told {
+struct KnownUnits {
     pack: Arc<VideoPack>,
     signatures: Signatures,
     cues: Option<CueTable>,
 }
 
-impl VideoUnits for Told {
+impl VideoUnits for KnownUnits {
     fn unit(&self, tile: Tile, frame: u32) -> UnitId {
         self.pack.unit(tile, frame)
     }
@@ -142,7 +142,7 @@ impl Target {
         let pack = Arc::new(small_pack());
         let [signatures, _] = table_bytes(&pack);
         let busy = Signatures::parse(&pack, SIGNATURES_VERSION, vec![200; signatures]);
-        let busy: Arc<dyn VideoUnits> = Arc::new(Told {
+        let busy: Arc<dyn VideoUnits> = Arc::new(KnownUnits {
             pack: Arc::clone(&pack),
             signatures: busy.unwrap(),
             cues: None,
@@ -179,7 +179,7 @@ impl Target {
             return false;
         };
         assert!((1..=SIGNATURES_VERSION).contains(&version));
-        let content = Arc::new(Told {
+        let content = Arc::new(KnownUnits {
             pack: Arc::clone(&self.pack),
             signatures,
             cues,

@@ -39,7 +39,7 @@ pub struct DrawnRgb {
 }
 
 /// Where a place of a picture looks in the light of a channel; `None` where it is unlit.
-type Looking<'a> = dyn Fn([f64; 2], usize) -> Option<DVec3> + Sync + 'a;
+type TowardsPixel<'a> = dyn Fn([f64; 2], usize) -> Option<DVec3> + Sync + 'a;
 
 impl GeneratedWorld {
     /// The world of [`GeneratedScene`].
@@ -106,7 +106,7 @@ impl GeneratedWorld {
         number: u64,
         size: [u32; 2],
         parts_colours: bool,
-        looking: &Looking<'_>,
+        looking: &TowardsPixel<'_>,
     ) -> DrawnRgb {
         let seconds = seconds_of(number);
         let valley = matches!(self.0, Kind::Valley)
@@ -148,7 +148,7 @@ impl GeneratedWorld {
 
 /// The direction of a place and its ray, as wide as the mean of its steps to the right and down: a
 /// source before oblique panels has pixels that are much longer than wide.
-fn looked(looking: &Looking<'_>, place: [f64; 2], channel: usize) -> Option<(DVec3, Ray)> {
+fn looked(looking: &TowardsPixel<'_>, place: [f64; 2], channel: usize) -> Option<(DVec3, Ray)> {
     let at = |x: f64, y: f64| Some(looking([place[0] + x, place[1] + y], channel)?.normalize());
     let direction = at(0.0, 0.0)?;
     let step = |x: f64, y: f64| at(x, y).map_or(0.0, |to| (to - direction).length() * 2.0);

@@ -1,10 +1,12 @@
 //! How are the parts of a pack's file read, whatever is in it?
 
 use crate::plain_file::open_plain;
-use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, check_crc};
+use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, UnitPlace, check_crc};
+use foveal_core::session::decoder::{ByteSource, SourceError};
 use foveal_core::units::counted;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use thiserror::Error;
@@ -153,7 +155,7 @@ impl OpenPack {
 
     /// Reads all pages of an index, page by page.
     pub(crate) fn read_index(&self, index: &Index) -> Result<(), PackFileError> {
-        let read = |place: std::ops::Range<u64>| {
+        let read = |place: Range<u64>| {
             let bytes = place.end - place.start;
             self.read(place.start, bytes, &|| "index".to_owned())
         };
@@ -163,19 +165,26 @@ impl OpenPack {
     /// A side table, its checksum checked.
     pub(crate) fn read_table(&self, table: &TableEntry) -> Result<Vec<u8>, PackFileError> {
         let what = format!("side table {}", table.name);
-        let end = table.offset.checked_add(table.bytes);
-        if end.is_none_or(|end| end > self.header.file_bytes) {
-            return Err(self.format(PackError {
-                field: what,
-                found: format!("{}+{}", table.offset, table.bytes),
-                expected: format!("within {}", counted(self.header.file_bytes, "byte")),
-            }));
-        }
+        let range = table.range(self.header.file_bytes);
+        range.map_err(|source| self.format(source))?;
         let bytes = self.read(table.offset, table.bytes, &|| what.clone())?;
         let checked = check_crc(&what, &bytes, table.crc32c);
         checked
             .map(|()| bytes)
             .map_err(|source| self.format(source))
+    }
+
+    /// The chunk of a unit, which errors call `what`, its checksum checked.
+    pub(crate) fn read_chunk(
+        &self,
+        place: UnitPlace,
+        what: &str,
+    ) -> Result<Vec<u8>, PackFileError> {
+        let wrong = |source| self.format(source);
+        let entry = place.known(what).map_err(wrong)?;
+        let chunk = self.read(entry.offset, u64::from(entry.bytes), &|| what.to_owned())?;
+        entry.check(what, &chunk).map_err(wrong)?;
+        Ok(chunk)
     }
 
     /// A part of the file, which errors call by what `what` says.
@@ -213,5 +222,16 @@ fn read_at(file: &mut File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>>
         Ok(buffer)
     } else {
         Err(ErrorKind::UnexpectedEof.into())
+    }
+}
+
+impl ByteSource for OpenPack {
+    fn read(&self, range: Range<u64>, what: &dyn Fn() -> String) -> Result<Vec<u8>, SourceError> {
+        let read = Self::read(self, range.start, range.end - range.start, what);
+        read.map_err(|error| SourceError(Box::new(error)))
+    }
+
+    fn damaged(&self, error: PackError) -> SourceError {
+        SourceError(Box::new(self.format(error)))
     }
 }

@@ -1,14 +1,23 @@
 //! How is a pack opened whose kind is not known yet?
 
+use crate::error::MediaError;
 use crate::pack::damage::Damage;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_file::PackFile;
 use crate::pack::scene_file::SceneFile;
-use foveal_core::content::opened::Opened;
+use crate::tiles::decode_pool::DecodePool;
+use crate::tiles::decoders::DecoderChoice;
+use foveal_core::content::opened::{ContentFacts, Opened};
 use foveal_core::content::scene::pack::is_scene;
+use foveal_core::session::decoder::{ByteSource, Decoder, Parser};
 use foveal_core::view::surface::Screen;
 use std::path::Path;
 use std::sync::Arc;
+
+/// Tiles under way for each decoding thread.
+const TILES_AHEAD: usize = 2;
+/// Units of a scene that are read whatever is wanted next.
+const UNITS_AHEAD: usize = 4;
 
 /// An open pack of any kind: description and index in memory, chunks read when they are asked for.
 #[derive(Clone, Debug)]
@@ -38,6 +47,43 @@ impl Pack {
         match self {
             Self::Video(file) => file.path(),
             Self::Scene(file) => file.path(),
+        }
+    }
+
+    /// What follows from what it holds.
+    #[must_use]
+    pub fn facts(&self) -> &'static ContentFacts {
+        match self {
+            Self::Video(_) => &ContentFacts::VIDEO,
+            Self::Scene(_) => &ContentFacts::SCENE,
+        }
+    }
+
+    /// What decodes it, by the processor or a device as chosen, on so many threads; and how many
+    /// pieces are best under way at once.
+    ///
+    /// # Errors
+    /// Nothing decodes it.
+    pub fn decoder(
+        &self,
+        jobs: usize,
+        choice: DecoderChoice,
+    ) -> Result<(Box<dyn Decoder>, usize), MediaError> {
+        Ok(match self {
+            Self::Video(file) => {
+                let pool = DecodePool::choosing(file, jobs, choice)?;
+                (Box::new(pool), jobs.max(1) * TILES_AHEAD)
+            }
+            Self::Scene(_) => (Box::<Parser>::default(), UNITS_AHEAD),
+        })
+    }
+
+    /// The source of its bytes.
+    #[must_use]
+    pub fn source(&self) -> Arc<dyn ByteSource> {
+        match self {
+            Self::Video(file) => file.source(),
+            Self::Scene(file) => file.source(),
         }
     }
 

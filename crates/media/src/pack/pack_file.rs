@@ -16,8 +16,9 @@ use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::content::video::bytes::signatures::{SIGNATURES, Signatures};
 use foveal_core::content::video::bytes::sound::{SOUND, SoundTable};
 use foveal_core::content::video::calibration::Calibration;
+use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{PackError, check_crc};
+use foveal_core::session::decoder::ByteSource;
 use foveal_core::units::one_line;
 use foveal_core::view::surface::Screen;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ const MOST_DECODED: u64 = 64 << 20;
 /// An open pack: description and index in memory, chunks read when they are asked for.
 #[derive(Debug)]
 pub struct PackFile {
-    open: OpenPack,
+    open: Arc<OpenPack>,
     pack: Arc<VideoPack>,
 }
 
@@ -47,7 +48,7 @@ impl PackFile {
         open.read_index(pack.index())?;
         Ok(Self {
             pack: Arc::new(pack),
-            open,
+            open: Arc::new(open),
         })
     }
 
@@ -57,9 +58,15 @@ impl PackFile {
         self.open.path()
     }
 
+    /// The source of its bytes.
+    #[must_use]
+    pub fn source(&self) -> Arc<dyn ByteSource> {
+        Arc::clone(&self.open) as Arc<dyn ByteSource>
+    }
+
     /// Its description and index.
     #[must_use]
-    pub fn pack(&self) -> &VideoPack {
+    pub fn pack(&self) -> &Arc<VideoPack> {
         &self.pack
     }
 
@@ -96,26 +103,8 @@ impl PackFile {
 
     /// The chunk of a unit, its checksum checked.
     pub fn read_chunk(&self, unit: UnitId) -> Result<Vec<u8>, PackFileError> {
-        let entry = self.pack.entry(unit);
-        let what = || {
-            let (tile, frames) = (self.pack.tile_of(unit), self.pack.frames_of(unit));
-            format!(
-                "chunk of level {}, face {}, column {}, row {}, frames {}-{}",
-                tile.level,
-                tile.face,
-                tile.x,
-                tile.y,
-                frames.start,
-                frames.end - 1
-            )
-        };
-        let bytes = self
-            .open
-            .read(entry.offset, u64::from(entry.bytes), &what)?;
-        let checked = check_crc(&what(), &bytes, entry.crc32c);
-        checked
-            .map(|()| bytes)
-            .map_err(|source| self.open.format(source))
+        let what = self.pack.chunk_name(unit);
+        self.open.read_chunk(self.pack.index().place(unit), &what)
     }
 
     /// Time of every frame in nanoseconds after the first, from the side table `frame_times`.

@@ -4,27 +4,21 @@ use crate::pack::damage::Damage;
 use crate::pack::name_claim::NameClaim;
 use crate::pack::open_pack::{OpenPack, PackFileError};
 use crate::pack::pack_writer::{Looked, PackWriter};
+use foveal_core::content::demand::Content;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::description::SceneDescription;
 use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::object_table::{NAMES, NAMES_VERSION, read_names};
-use foveal_core::content::scene::pack::{
-    ScenePack, begin_scene, chunk_name, finish_scene, is_scene,
-};
+use foveal_core::content::scene::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::unit_table::UnitRow;
 use foveal_core::content::scene::whole::SceneCheck;
+use foveal_core::pack::Header;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{Header, check_crc};
+use foveal_core::session::decoder::ByteSource;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Whether a file is the pack of a scene; whatever else it is, those who open it will say.
-#[must_use]
-pub fn is_scene_pack(path: &Path) -> bool {
-    OpenPack::open(path).is_ok_and(|(_, description)| is_scene(&description))
-}
 
 /// Writes a scene whose units come in their order: to the name that was claimed, once it is whole
 /// and was read back. Returns its bytes.
@@ -53,7 +47,7 @@ pub fn write_scene(
 /// asked for.
 #[derive(Debug)]
 pub struct SceneFile {
-    open: OpenPack,
+    open: Arc<OpenPack>,
     scene: Arc<Scene>,
 }
 
@@ -82,7 +76,7 @@ impl SceneFile {
         let scene = Scene::new(&name.to_string_lossy(), Arc::new(pack));
         Ok(Self {
             scene: Arc::new(scene),
-            open,
+            open: Arc::new(open),
         })
     }
 
@@ -90,6 +84,12 @@ impl SceneFile {
     #[must_use]
     pub fn path(&self) -> &Path {
         self.open.path()
+    }
+
+    /// The source of its bytes.
+    #[must_use]
+    pub fn source(&self) -> Arc<dyn ByteSource> {
+        Arc::clone(&self.open) as Arc<dyn ByteSource>
     }
 
     /// What is in it.
@@ -108,6 +108,12 @@ impl SceneFile {
     #[must_use]
     pub fn header(&self) -> &Header {
         self.open.header()
+    }
+
+    /// Bytes that come before any unit and page: header, description, directory of the table.
+    #[must_use]
+    pub fn head_bytes(&self) -> u64 {
+        self.pack().head_bytes(self.header())
     }
 
     /// Bytes of the file.
@@ -137,13 +143,8 @@ impl SceneFile {
     /// # Errors
     /// It cannot be read, or is damaged.
     pub fn read_chunk(&self, unit: UnitId) -> Result<Vec<u8>, PackFileError> {
-        let entry = self.pack().entry(unit);
-        let what = || format!("chunk of unit {}", unit.0);
-        let bytes = self
-            .open
-            .read(entry.offset, u64::from(entry.bytes), &what)?;
-        let checked = check_crc(&what(), &bytes, entry.crc32c);
-        checked.map(|()| bytes).map_err(|it| self.open.format(it))
+        let what = format!("chunk of unit {}", unit.0);
+        self.open.read_chunk(self.scene.place(unit), &what)
     }
 
     /// A unit, read and parsed.

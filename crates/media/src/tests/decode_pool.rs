@@ -1,20 +1,25 @@
 //! Does the decode pool give the tiles that were asked for, whatever was asked before?
 
+use foveal_core::content::payload::Payload;
+use foveal_core::content::unit::AssetId;
 use foveal_core::content::video::bytes::chunk::split_chunk;
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::session::decoder::{DecodeError, Decoded, Decoder, PackBytes};
+use foveal_core::session::unit_states::Piece;
 use foveal_core::view::picture::Picture;
+use foveal_core::view::surface::Screen;
 use std::collections::HashMap;
 use std::fs::OpenOptions;
 use std::io::{Seek, SeekFrom, Write};
 use std::sync::Arc;
 use std::sync::mpsc::channel;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crate::pack::pack_file::PackFile;
 use crate::prepare::{PrepareSettings, ProjectionChoice};
 use crate::tests::scenes::{Scratch, group, prepared, settings, write_clip};
-use crate::tiles::decode_pool::{DecodePool, DecodedTile};
+use crate::tiles::decode_pool::DecodePool;
 use crate::{ClipCodec, GroupDecoder};
 
 const FRAMES: u32 = 37;
@@ -63,15 +68,36 @@ fn random(state: &mut u64, below: usize) -> usize {
     (*state >> 33) as usize % below
 }
 
-fn ask(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) {
-    pool.request(file.pack().unit(tile, frame), frame);
+/// The bytes of a pack.
+fn bytes(file: &PackFile) -> PackBytes {
+    let video = file.video(Screen::default()).unwrap();
+    PackBytes::new(video, file.source())
 }
 
-fn one(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) -> DecodedTile {
+fn piece(file: &PackFile, tile: Tile, frame: u32) -> Piece {
+    let unit = AssetId::ONLY.unit(file.pack().unit(tile, frame));
+    Piece { unit, frame }
+}
+
+fn ask(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) {
+    let piece = piece(file, tile, frame);
+    pool.request(piece, bytes(file).of(piece.unit.unit));
+}
+
+fn one(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) -> Decoded {
     ask(pool, file, tile, frame);
     let done = pool.receive(None).unwrap();
-    assert_eq!((file.pack().tile_of(done.unit), done.frame), (tile, frame));
+    assert_eq!(done.piece, piece(file, tile, frame));
     done
+}
+
+/// The frame of a tile that was decoded, and its picture.
+fn picture(file: &PackFile, done: Decoded) -> ((Tile, u32), Picture) {
+    let tile = file.pack().tile_of(done.piece.unit.unit);
+    match done.payload {
+        Ok(Payload::Picture(picture)) => ((tile, done.piece.frame), picture),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]
@@ -81,7 +107,7 @@ fn any_tile_of_any_frame_in_any_order_is_the_picture_of_decoding_in_order() {
         let file = open(&path);
         let (expected, tiles) = (decoded_in_order(&file), all_tiles(&file));
         assert_eq!(expected.len(), tiles.len() * FRAMES as usize);
-        let mut pool = DecodePool::new(Arc::clone(&file), 3).unwrap();
+        let mut pool = DecodePool::new(&file, 3).unwrap();
         let mut state = 11;
         for _ in 0..40 {
             let mut asked = 0;
@@ -96,9 +122,7 @@ fn any_tile_of_any_frame_in_any_order_is_the_picture_of_decoding_in_order() {
                 asked += 1;
             }
             while let Some(done) = pool.receive(None) {
-                let (picture, number) = done.picture.unwrap();
-                assert_eq!(number, i64::from(done.frame));
-                let place = (file.pack().tile_of(done.unit), done.frame);
+                let (place, picture) = picture(&file, done);
                 assert!(picture == expected[&place], "{codec:?} {place:?}");
                 asked -= 1;
             }
@@ -121,8 +145,8 @@ fn asked_within_a_group_exactly_the_frames_from_its_key_are_decoded() {
         }
         let length = groups[usize::from(tile.level)];
         let since_key = |frame: u32| frame % length + 1;
-        let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
-        let mut decoded = |frame| one(&mut pool, &file, tile, frame).decoded;
+        let mut pool = DecodePool::new(&file, 2).unwrap();
+        let mut decoded = |frame| one(&mut pool, &file, tile, frame).frames;
         assert_eq!(decoded(5), 6);
         assert_eq!(decoded(6), 1, "the frame that follows");
         assert_eq!(decoded(7), 1);
@@ -140,11 +164,11 @@ fn no_picture_of_the_coarsest_level_is_decoded_twice_when_frames_follow_each_oth
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tile = file.pack().grid().tile_at(file.pack().grid().coarsest(), 0);
-    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
+    let mut pool = DecodePool::new(&file, 1).unwrap();
     // Two turns: the clip loops.
     let frames = (0..2 * FRAMES).map(|frame| frame % FRAMES);
     let decoded: u32 = frames
-        .map(|frame| one(&mut pool, &file, tile, frame).decoded)
+        .map(|frame| one(&mut pool, &file, tile, frame).frames)
         .sum();
     assert_eq!(decoded, 2 * FRAMES);
 }
@@ -159,7 +183,7 @@ fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
     let path = prepared(&clip, &cut);
     let file = open(&path);
     let expected = decoded_in_order(&file);
-    let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
+    let mut pool = DecodePool::new(&file, 2).unwrap();
     // Far more tiles than decoders stay open, some at a time.
     let tiles: Vec<Tile> = file.pack().grid().tiles_of(0).collect();
     for (at, few) in tiles.chunks(20).enumerate() {
@@ -167,8 +191,8 @@ fn decoders_are_handed_on_when_the_gaze_moves_and_pictures_stay_right() {
         few.iter()
             .for_each(|tile| ask(&mut pool, &file, *tile, frame));
         while let Some(done) = pool.receive(None) {
-            let (picture, _) = done.picture.unwrap();
-            assert!(picture == expected[&(file.pack().tile_of(done.unit), done.frame)]);
+            let (place, picture) = picture(&file, done);
+            assert!(picture == expected[&place]);
         }
     }
 }
@@ -179,9 +203,9 @@ fn still_codecs_decode_only_the_frame_that_was_asked_for() {
         let path = flat_pack(codec);
         let file = open(&path);
         let tile = all_tiles(&file)[0];
-        let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
+        let mut pool = DecodePool::new(&file, 1).unwrap();
         for frame in [5, 7, 7, 3, 36] {
-            assert_eq!(one(&mut pool, &file, tile, frame).decoded, 1);
+            assert_eq!(one(&mut pool, &file, tile, frame).frames, 1);
         }
     }
 }
@@ -191,7 +215,7 @@ fn cancelling_takes_back_what_was_not_begun() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tiles = all_tiles(&file);
-    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
+    let mut pool = DecodePool::new(&file, 1).unwrap();
     let mut asked = 0;
     for frame in (0..FRAMES).rev() {
         for tile in &tiles {
@@ -202,13 +226,13 @@ fn cancelling_takes_back_what_was_not_begun() {
     pool.cancel();
     let mut came = 0;
     while let Some(done) = pool.receive(None) {
-        assert!(done.picture.is_ok());
+        assert!(done.payload.is_ok());
         came += 1;
     }
     assert!(came < asked, "all {asked} came");
     assert!(pool.receive(None).is_none());
     pool.cancel();
-    assert!(one(&mut pool, &file, tiles[0], 9).picture.is_ok());
+    assert!(one(&mut pool, &file, tiles[0], 9).payload.is_ok());
     assert!(pool.receive(None).is_none());
 }
 
@@ -217,11 +241,11 @@ fn what_is_not_there_by_the_deadline_comes_later() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let tile = all_tiles(&file)[0];
-    let mut pool = DecodePool::new(Arc::clone(&file), 1).unwrap();
+    let mut pool = DecodePool::new(&file, 1).unwrap();
     ask(&mut pool, &file, tile, 7);
-    let early = pool.receive(Some(Instant::now()));
+    let early = pool.receive(Some(Duration::ZERO));
     let done = early.or_else(|| pool.receive(None)).unwrap();
-    assert_eq!((file.pack().tile_of(done.unit), done.frame), (tile, 7));
+    assert_eq!(done.piece, piece(&file, tile, 7));
     assert!(pool.receive(None).is_none());
 }
 
@@ -238,7 +262,7 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
         writer.seek(SeekFrom::Start(middle)).unwrap();
         writer.write_all(&[0x55; 3]).unwrap();
         let file = open(&path);
-        let mut pool = DecodePool::new(Arc::clone(&file), 2).unwrap();
+        let mut pool = DecodePool::new(&file, 2).unwrap();
         for frame in [0, 3, 9] {
             tiles
                 .iter()
@@ -246,18 +270,16 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
             let mut came = 0;
             while let Some(done) = pool.receive(None) {
                 came += 1;
-                let damaged = file.pack().tile_of(done.unit) == bad && frame < 8;
-                match done.picture {
+                let tile = file.pack().tile_of(done.piece.unit.unit);
+                let damaged = tile == bad && frame < 8;
+                match done.payload {
                     Ok(_) => assert!(!damaged, "{codec:?} frame {frame}"),
-                    Err(error) => {
-                        assert!(
-                            damaged,
-                            "{:?} frame {frame}: {error}",
-                            file.pack().tile_of(done.unit)
-                        );
+                    Err(DecodeError::Damaged(error)) => {
+                        assert!(damaged, "{tile:?} frame {frame}: {error}");
                         let text = error.to_string();
                         assert!(text.contains("chunk of level 0"), "{text}");
                     }
+                    Err(wrong) => panic!("{wrong:?}"),
                 }
             }
             assert_eq!(came, tiles.len());
@@ -272,7 +294,7 @@ fn a_pool_dropped_with_work_queued_ends() {
     let (ended, wait) = channel();
     std::thread::spawn(move || {
         for workers in [1, 4] {
-            let mut pool = DecodePool::new(Arc::clone(&file), workers).unwrap();
+            let mut pool = DecodePool::new(&file, workers).unwrap();
             for tile in all_tiles(&file) {
                 (0..FRAMES).for_each(|frame| ask(&mut pool, &file, tile, frame));
             }

@@ -8,23 +8,27 @@
 //! unnoticed.
 
 use crate::error::MediaError;
-use crate::pack::pack_file::{PackFile, PackFileError};
+use crate::pack::pack_file::PackFile;
 use crate::tiles::decode::GroupDecoder;
 use crate::tiles::decode_streams::{Stream, Streams};
-use crate::tiles::decoders::{DecoderChoice, Decoders, DeviceUse};
+use crate::tiles::decoders::{DecoderChoice, Decoders};
+use foveal_core::content::payload::Payload;
+use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::content::video::bytes::chunk::split_chunk;
+use foveal_core::content::video::bytes::pack::VideoPack;
 use foveal_core::content::video::grid::tile_grid::Tile;
+use foveal_core::pack::PackError;
 use foveal_core::pack::unit::UnitId;
+use foveal_core::session::decoder::{DecodeError, Decoded, Decoder, SourceError, UnitBytes};
+use foveal_core::session::unit_states::Piece;
 use foveal_core::view::picture::Picture;
 use std::collections::{HashMap, VecDeque};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::Duration;
 use thiserror::Error;
-
-/// Frames that the coarsest level is decoded ahead.
-const AHEAD: u32 = 2;
 
 /// Why a tile has no picture.
 #[derive(Debug, Error)]
@@ -32,7 +36,10 @@ const AHEAD: u32 = 2;
 pub enum TileError {
     /// Its chunk cannot be read.
     #[error(transparent)]
-    Pack(#[from] PackFileError),
+    Source(#[from] SourceError),
+    /// Its chunk is not cut into frames as it should be.
+    #[error(transparent)]
+    Format(#[from] PackError),
     /// Its chunk cannot be decoded.
     #[error(transparent)]
     Media(#[from] MediaError),
@@ -41,17 +48,43 @@ pub enum TileError {
     Panicked,
 }
 
+/// A tile that cannot be decoded.
+#[derive(Debug, Error)]
+#[error(
+    "{}: level {}, face {}, column {}, row {} cannot be decoded at frame {frame} ({source})",
+    path.display(), tile.level, tile.face, tile.x, tile.y
+)]
+struct BadTile {
+    path: PathBuf,
+    tile: Tile,
+    frame: u32,
+    source: TileError,
+}
+
+/// A decoder gave another frame than it was asked for.
+#[derive(Debug, Error)]
+#[error("{}: asked for frame {frame} of {tile:?}, the decoder gave {number}", path.display())]
+struct WrongFrame {
+    path: PathBuf,
+    tile: Tile,
+    frame: u32,
+    number: i64,
+}
+
+/// A frame of a tile.
+type Place = (Tile, u32);
+
 /// A tile of one frame, decoded.
 #[derive(Debug)]
-pub struct DecodedTile {
+struct DecodedTile {
     /// The unit that shows it.
-    pub unit: UnitId,
+    unit: UnitId,
     /// The frame that was asked for.
-    pub frame: u32,
+    frame: u32,
     /// The picture, and the frame number that came out of the decoder with it.
-    pub picture: Result<(Picture, i64), TileError>,
+    picture: Result<(Picture, i64), TileError>,
     /// Pictures decoded for it, those to catch up included.
-    pub decoded: u32,
+    decoded: u32,
 }
 
 /// Threads that decode tiles of one pack.
@@ -66,11 +99,13 @@ pub struct DecodePool {
     at_hand: VecDeque<DecodedTile>,
     workers: Vec<JoinHandle<()>>,
     waiting: usize,
+    /// The pack, for people.
+    path: PathBuf,
 }
 
 #[derive(Debug)]
 struct Shared {
-    pack: Arc<PackFile>,
+    pack: Arc<VideoPack>,
     decoders: Decoders,
     state: Mutex<State>,
     wake: Condvar,
@@ -79,7 +114,7 @@ struct Shared {
 
 #[derive(Debug, Default)]
 struct State {
-    queue: VecDeque<(Tile, u32)>,
+    queue: VecDeque<(Place, UnitBytes)>,
     coarsest: Coarsest,
     streams: Streams,
     stop: bool,
@@ -88,48 +123,29 @@ struct State {
 /// What the worker of the coarsest level has to do.
 #[derive(Debug, Default)]
 struct Coarsest {
-    queue: VecDeque<(Tile, u32)>,
+    queue: VecDeque<(Place, UnitBytes)>,
     /// To be decoded before anybody asks.
-    ahead: VecDeque<(Tile, u32)>,
+    ahead: VecDeque<(Place, UnitBytes)>,
     /// Decoded already.
-    ready: HashMap<(Tile, u32), DecodedTile>,
+    ready: HashMap<Place, DecodedTile>,
 }
 
 impl Coarsest {
     /// The next tile to decode, and whether it is waited for.
-    fn next(&mut self) -> Option<(Tile, u32, bool)> {
-        let asked = self
-            .queue
-            .pop_front()
-            .map(|(tile, frame)| (tile, frame, true));
-        asked.or_else(|| {
-            self.ahead
-                .pop_front()
-                .map(|(tile, frame)| (tile, frame, false))
-        })
-    }
-
-    /// Plans the frames that follow one that was asked for, and forgets all others of this tile.
-    fn look_ahead(&mut self, tile: Tile, frame: u32, frames: u32) {
-        let next = |step: u32| (frame + step) % frames;
-        let follows = |other: u32| (1..=AHEAD).any(|step| next(step) == other);
-        self.ready
-            .retain(|(of, other), _| *of != tile || follows(*other));
-        self.ahead.retain(|(of, _)| *of != tile);
-        let planned = (1..=AHEAD).map(|step| (tile, next(step)));
-        self.ahead
-            .extend(planned.filter(|place| !self.ready.contains_key(place)));
+    fn next(&mut self) -> Option<(Place, UnitBytes, bool)> {
+        let asked = self.queue.pop_front().map(|(at, bytes)| (at, bytes, true));
+        asked.or_else(|| self.ahead.pop_front().map(|(at, bytes)| (at, bytes, false)))
     }
 }
 
 impl DecodePool {
-    /// A pool of `workers` threads (at least one) on a pack, and one more for its coarsest level.
+    /// A pool of `workers` threads (at least one) for a pack, and one more for its coarsest level.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn new(pack: Arc<PackFile>, workers: usize) -> Result<Self, MediaError> {
-        let decoders = Decoders::software(pack.pack().description().codec);
-        Self::with(pack, workers, decoders)
+    pub fn new(file: &PackFile, workers: usize) -> Result<Self, MediaError> {
+        let decoders = Decoders::software(file.pack().description().codec);
+        Self::with(file, workers, decoders)
     }
 
     /// The same with decoders on a graphics device, as chosen.
@@ -137,28 +153,29 @@ impl DecodePool {
     /// # Errors
     /// [`DecoderChoice::Hardware`] without a device, or the system gives no thread.
     pub fn choosing(
-        pack: Arc<PackFile>,
+        file: &PackFile,
         workers: usize,
         choice: DecoderChoice,
     ) -> Result<Self, MediaError> {
-        let (grid, codec) = (pack.pack().grid(), pack.pack().description().codec);
+        let pack = file.pack();
+        let (grid, codec) = (pack.grid(), pack.description().codec);
         let first = |level| grid.tiles_of(level).next();
         let largest = (0..grid.levels)
             .filter_map(first)
             .map(|tile| grid.tile_pixels(tile));
         let decoders = Decoders::new(choice, codec, largest.max().unwrap_or(0))?;
-        Self::with(pack, workers, decoders)
+        Self::with(file, workers, decoders)
     }
 
-    /// What was decoded on a graphics device so far.
+    /// The decoders, which count what a graphics device decoded.
     #[must_use]
-    pub fn device_use(&self) -> DeviceUse {
-        self.shared.decoders.device_use()
+    pub fn decoders(&self) -> &Decoders {
+        &self.shared.decoders
     }
 
-    fn with(pack: Arc<PackFile>, workers: usize, decoders: Decoders) -> Result<Self, MediaError> {
+    fn with(file: &PackFile, workers: usize, decoders: Decoders) -> Result<Self, MediaError> {
         let shared = Arc::new(Shared {
-            pack,
+            pack: Arc::clone(file.pack()),
             decoders,
             state: Mutex::default(),
             wake: Condvar::new(),
@@ -176,6 +193,7 @@ impl DecodePool {
             at_hand: VecDeque::new(),
             workers: Vec::new(),
             waiting: 0,
+            path: file.path().to_owned(),
         };
         // Those that began end with the pool.
         let none = |source| MediaError::Thread {
@@ -191,10 +209,31 @@ impl DecodePool {
         Ok(pool)
     }
 
-    /// Asks for a frame of a unit, after all that was asked for before.
-    pub fn request(&mut self, unit: UnitId, frame: u32) {
-        let pack = self.shared.pack.pack();
-        let tile = pack.tile_of(unit);
+    /// The next finished tile, within this time.
+    fn next(&mut self, patience: Option<Duration>) -> Option<DecodedTile> {
+        if let Some(done) = self.at_hand.pop_front() {
+            return Some(done);
+        }
+        if self.waiting == 0 {
+            return None;
+        }
+        let done = match patience {
+            None => self
+                .results
+                .recv()
+                .map_err(|_| RecvTimeoutError::Disconnected),
+            Some(patience) => self.results.recv_timeout(patience),
+        };
+        let done = done.ok()?;
+        self.waiting -= 1;
+        Some(done)
+    }
+}
+
+impl Decoder for DecodePool {
+    fn request(&mut self, piece: Piece, bytes: UnitBytes) {
+        let (pack, frame) = (&self.shared.pack, piece.frame);
+        let tile = pack.tile_of(piece.unit.unit);
         let is_coarsest = tile.level == pack.grid().coarsest();
         let mut state = self.shared.lock();
         state.streams.asked(frame);
@@ -205,56 +244,85 @@ impl DecodePool {
         };
         if let Some(done) = state.coarsest.ready.remove(&(tile, frame)) {
             // Already decoded: no wake-up.
-            let frames = pack.description().frames;
-            state.coarsest.look_ahead(tile, frame, frames);
             self.at_hand.push_back(done);
-        } else {
-            let queue = if is_coarsest {
-                &mut state.coarsest.queue
-            } else {
-                &mut state.queue
-            };
-            if queue.contains(&(tile, frame)) {
-                return;
-            }
-            queue.push_back((tile, frame));
-            self.waiting += 1;
+            return;
         }
+        let queue = if is_coarsest {
+            &mut state.coarsest.queue
+        } else {
+            &mut state.queue
+        };
+        if queue.iter().any(|(place, _)| *place == (tile, frame)) {
+            return;
+        }
+        queue.push_back(((tile, frame), bytes));
+        self.waiting += 1;
         drop(state);
         wake.notify_one();
     }
 
-    /// Takes back what no worker has begun.
-    pub fn cancel(&mut self) {
+    /// Of the coarsest level only.
+    fn expect(&mut self, pieces: Vec<(Piece, UnitBytes)>) {
+        let pack = &self.shared.pack;
+        let placed = pieces.into_iter().map(|(piece, bytes)| {
+            let tile = pack.tile_of(piece.unit.unit);
+            ((tile, piece.frame), bytes)
+        });
+        let of_coarsest = placed.filter(|((tile, _), _)| tile.level == pack.grid().coarsest());
+        let mut ahead: VecDeque<(Place, UnitBytes)> = of_coarsest.collect();
+        let mut state = self.shared.lock();
+        let coarsest = &mut state.coarsest;
+        let is_of_use = |place: &Place| {
+            let mut asked = coarsest.queue.iter().chain(&ahead);
+            asked.any(|(asked, _)| asked == place)
+        };
+        coarsest.ready.retain(|place, _| is_of_use(place));
+        ahead.retain(|(place, _)| !coarsest.ready.contains_key(place));
+        coarsest.ahead = ahead;
+        drop(state);
+        self.shared.wake_coarsest.notify_one();
+    }
+
+    fn receive(&mut self, patience: Option<Duration>) -> Option<Decoded> {
+        let DecodedTile {
+            unit,
+            frame,
+            picture,
+            decoded,
+        } = self.next(patience)?;
+        let tile = self.shared.pack.tile_of(unit);
+        let payload = match picture {
+            Ok((picture, number)) if number == i64::from(frame) => Ok(Payload::Picture(picture)),
+            Ok((_, number)) => Err(DecodeError::Wrong(Box::new(WrongFrame {
+                path: self.path.clone(),
+                tile,
+                frame,
+                number,
+            }))),
+            Err(source) => Err(DecodeError::Damaged(Box::new(BadTile {
+                path: self.path.clone(),
+                tile,
+                frame,
+                source,
+            }))),
+        };
+        let asset = AssetId::ONLY;
+        Some(Decoded {
+            piece: Piece {
+                unit: UnitRef { asset, unit },
+                frame,
+            },
+            frames: decoded,
+            payload,
+        })
+    }
+
+    fn cancel(&mut self) {
         let mut state = self.shared.lock();
         self.waiting -= state.queue.len() + state.coarsest.queue.len();
         state.queue.clear();
         state.coarsest.queue.clear();
         self.at_hand.clear();
-    }
-
-    /// The next finished tile; `None` when nothing is under way, or nothing was finished by
-    /// `deadline`.
-    pub fn receive(&mut self, deadline: Option<Instant>) -> Option<DecodedTile> {
-        if let Some(done) = self.at_hand.pop_front() {
-            return Some(done);
-        }
-        if self.waiting == 0 {
-            return None;
-        }
-        let done = match deadline {
-            None => self
-                .results
-                .recv()
-                .map_err(|_| RecvTimeoutError::Disconnected),
-            Some(deadline) => {
-                let left = deadline.saturating_duration_since(Instant::now());
-                self.results.recv_timeout(left)
-            }
-        };
-        let done = done.ok()?;
-        self.waiting -= 1;
-        Some(done)
     }
 }
 
@@ -277,8 +345,8 @@ impl Shared {
     }
 
     fn work(&self, results: &Sender<DecodedTile>) {
-        while let Some((tile, frame)) = self.wait(&self.wake, |state| state.queue.pop_front()) {
-            if results.send(self.decode(tile, frame)).is_err() {
+        while let Some((place, bytes)) = self.wait(&self.wake, |state| state.queue.pop_front()) {
+            if results.send(self.decode(place, &bytes)).is_err() {
                 return;
             }
         }
@@ -286,17 +354,14 @@ impl Shared {
 
     fn work_on_coarsest(&self, results: &Sender<DecodedTile>) {
         let next = |state: &mut State| state.coarsest.next();
-        while let Some((tile, frame, asked)) = self.wait(&self.wake_coarsest, next) {
-            let ready = self.lock().coarsest.ready.remove(&(tile, frame));
-            let done = ready.unwrap_or_else(|| self.decode(tile, frame));
+        while let Some((place, bytes, asked)) = self.wait(&self.wake_coarsest, next) {
+            let ready = self.lock().coarsest.ready.remove(&place);
+            let done = ready.unwrap_or_else(|| self.decode(place, &bytes));
             if !asked {
-                let ready = &mut self.lock().coarsest.ready;
-                ready.insert((tile, frame), done);
+                // It may have been asked for meanwhile: then it is at hand for that.
+                self.lock().coarsest.ready.insert(place, done);
             } else if results.send(done).is_err() {
                 return;
-            } else {
-                let frames = self.pack.pack().description().frames;
-                self.lock().coarsest.look_ahead(tile, frame, frames);
             }
         }
     }
@@ -315,59 +380,58 @@ impl Shared {
         }
     }
 
-    fn decode(&self, tile: Tile, frame: u32) -> DecodedTile {
+    fn decode(&self, (tile, frame): Place, bytes: &UnitBytes) -> DecodedTile {
         let mut decoded = 0;
         // A lost answer would leave its receiver waiting for ever.
         let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            self.follow(tile, frame, &mut decoded)
+            self.follow((tile, frame), bytes, &mut decoded)
         }));
         let picture = answer.unwrap_or(Err(TileError::Panicked));
         DecodedTile {
-            unit: self.pack.pack().unit(tile, frame),
+            unit: self.pack.unit(tile, frame),
             frame,
             picture,
             decoded,
         }
     }
 
-    /// Decodes up to `frame` and puts the decoder back for the frames that follow.
+    /// Decodes up to the frame and puts the decoder back for those that follow.
     fn follow(
         &self,
-        tile: Tile,
-        frame: u32,
+        (tile, frame): Place,
+        bytes: &UnitBytes,
         decoded: &mut u32,
     ) -> Result<(Picture, i64), TileError> {
         let stream = self.lock().streams.take(tile);
-        let mut stream = self.stream_at(tile, frame, stream)?;
+        let mut stream = self.stream_at((tile, frame), bytes, stream)?;
         let picture = self.catch_up(&mut stream, frame, decoded)?;
         self.lock().streams.put(tile, stream);
         Ok(picture)
     }
 
-    /// A decoder in the right group that has not passed `frame`.
+    /// A decoder in the right group that has not passed the frame.
     fn stream_at(
         &self,
-        tile: Tile,
-        frame: u32,
+        (tile, frame): Place,
+        bytes: &UnitBytes,
         stream: Option<Stream>,
     ) -> Result<Stream, TileError> {
-        let pack = self.pack.pack();
-        let unit = pack.unit(tile, frame);
+        let unit = self.pack.unit(tile, frame);
         let (mut decoder, chunk) = match stream {
             Some(stream) if stream.unit == unit && stream.next <= frame => return Ok(stream),
             Some(stream) if stream.unit == unit => (stream.decoder, Some(stream.chunk)),
             Some(stream) => (stream.decoder, None),
-            None => (self.decoder_of(pack.grid().tile_size(tile))?, None),
+            None => (self.decoder_of(self.pack.grid().tile_size(tile))?, None),
         };
         decoder.restart();
         Ok(Stream {
             decoder,
             chunk: match chunk {
                 Some(chunk) => chunk,
-                None => self.pack.read_chunk(unit)?,
+                None => bytes.read()?,
             },
             unit,
-            next: pack.frames_of(unit).start,
+            next: self.pack.frames_of(unit).start,
         })
     }
 
@@ -385,13 +449,9 @@ impl Shared {
         frame: u32,
         decoded: &mut u32,
     ) -> Result<(Picture, i64), TileError> {
-        let frames = self.pack.pack().frames_of(stream.unit);
-        let units =
-            split_chunk(&stream.chunk, frames.len()).map_err(|source| PackFileError::Format {
-                path: self.pack.path().to_owned(),
-                source,
-            })?;
-        if self.pack.pack().description().codec.is_intra() {
+        let frames = self.pack.frames_of(stream.unit);
+        let units = split_chunk(&stream.chunk, frames.len())?;
+        if self.pack.description().codec.is_intra() {
             stream.next = frame;
         }
         loop {

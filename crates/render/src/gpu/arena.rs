@@ -22,6 +22,16 @@ impl Arena {
         self.length
     }
 
+    /// Whether `count` places in a row are free.
+    pub(crate) fn has_place(&self, count: u32) -> bool {
+        count == 0 || self.free.values().any(|length| *length >= count)
+    }
+
+    /// Number of places that are free.
+    pub(crate) fn free(&self) -> u32 {
+        self.free.values().sum()
+    }
+
     /// Takes `count` places in a row, the first that are free; `None` where there are none.
     pub(crate) fn take(&mut self, count: u32) -> Option<u32> {
         if count == 0 {

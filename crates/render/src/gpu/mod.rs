@@ -8,6 +8,6 @@ pub(crate) mod device;
 pub(crate) mod picture_target;
 pub(crate) mod pool;
 pub mod readback;
-pub(crate) mod room;
+pub mod room;
 pub(crate) mod screen_pass;
 pub mod timer;

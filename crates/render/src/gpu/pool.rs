@@ -46,6 +46,16 @@ impl Pool {
         self.buffer.size()
     }
 
+    /// Whether `count` places in a row are free.
+    pub(crate) fn has_place(&self, count: u32) -> bool {
+        self.arena.has_place(count)
+    }
+
+    /// Number of places that are free.
+    pub(crate) fn free(&self) -> u32 {
+        self.arena.free()
+    }
+
     /// Takes `count` places in a row; grows to at most `most_bytes` where there are none. `None`
     /// where that is not enough.
     pub(crate) fn take(&mut self, gpu: &Gpu, count: u32, most_bytes: u64) -> Option<u32> {

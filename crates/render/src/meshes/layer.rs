@@ -4,11 +4,12 @@ use crate::error::RenderError;
 use crate::gpu::compute::{Compute, Dispatch, record};
 use crate::gpu::device::Gpu;
 use crate::gpu::room::TakenBytes;
+use crate::idle::IdleUnits;
 use crate::meshes::hiding::{Hiding, depth_bytes_of};
 use crate::meshes::lists::DrawList;
 use crate::meshes::memory::UnitMemory;
 use crate::meshes::pass::ClusterPass;
-use crate::meshes::units::MeshUnits;
+use crate::meshes::units::{MeshUnits, Moved, Undrawn};
 use crate::scene::coming::{Coming, Refiners};
 use crate::scene::kind::{Frame, KindLayer};
 use crate::scene::params::SceneStyle;
@@ -159,10 +160,10 @@ impl KindLayer for MeshLayer {
         let PayloadView::Mesh(says) = coming.says else {
             return Err(RenderError::OtherKind);
         };
-        if !self.units.insert(coming, says)? {
+        if self.show(coming.unit) || !self.units.insert(coming, says)? {
             return Ok(true);
         }
-        if let Err(error) = self.memory.insert(&self.units, coming.unit, left) {
+        if let Err(error) = self.memory.insert(&mut self.units, coming.unit, left) {
             self.units.remove(coming.unit);
             return Err(error);
         }
@@ -179,11 +180,32 @@ impl KindLayer for MeshLayer {
         was_there
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        for unit in self.units.retain(wanted) {
-            self.memory.remove(unit);
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        let Undrawn { hidden, gone } = self.units.keep(wanted, staying);
+        self.is_stale |= !hidden.is_empty() || !gone.is_empty();
+        for unit in hidden {
+            self.memory.use_for_drawing(unit, false);
+        }
+        gone.into_iter().for_each(|unit| self.memory.remove(unit));
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        let is_there = self.units.show(unit);
+        if is_there {
+            self.memory.use_for_drawing(unit, true);
+            // It may have been on its way when it was drawn last.
+            let moved = Moved {
+                vertices: [unit].into(),
+                bounds: vec![unit],
+            };
+            self.memory.rewrite(&self.units, &moved);
             self.is_stale = true;
         }
+        is_there
+    }
+
+    fn idle(&mut self) -> Option<&mut IdleUnits<UnitId>> {
+        Some(&mut self.units.idle)
     }
 
     fn taken(&self) -> TakenBytes {
@@ -204,7 +226,7 @@ impl KindLayer for MeshLayer {
     }
 
     fn give_back(&mut self, must: bool) -> Result<(), RenderError> {
-        self.is_stale |= self.memory.give_back(&self.units, must)?;
+        self.is_stale |= self.memory.give_back(&mut self.units, must)?;
         Ok(())
     }
 

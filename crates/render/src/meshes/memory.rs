@@ -52,6 +52,19 @@ struct Span {
     own: u32,
     /// The first word of each cluster, in a row; last, where the row ends.
     blocks: Vec<u32>,
+    /// Whether it is drawn: what is not counts as free.
+    is_used: bool,
+}
+
+impl Span {
+    /// Bytes of vertices and clusters.
+    fn bytes(&self) -> u64 {
+        let words = match self.blocks[..] {
+            [first, .., end] => u64::from(end - first),
+            _ => 0,
+        };
+        words * WORD_BYTES + u64::from(self.own) * VERTEX_BYTES
+    }
 }
 
 /// The units on the GPU.
@@ -105,7 +118,7 @@ impl UnitMemory {
     /// It does not fit: nothing changed then.
     pub(crate) fn insert(
         &mut self,
-        units: &MeshUnits,
+        units: &mut MeshUnits,
         unit: UnitId,
         left: TakenBytes,
     ) -> Result<(), RenderError> {
@@ -117,6 +130,11 @@ impl UnitMemory {
         if bytes > most {
             return Err(RenderError::NoRoom { bytes, most });
         }
+        // What is not drawn gives way before anything grows.
+        while !self.has_place(units, unit) {
+            let Some(idle) = units.give_way() else { break };
+            self.remove(idle);
+        }
         if self.place(units, unit, left.held).is_none() {
             self.pack(units, left.held)?;
         }
@@ -124,15 +142,36 @@ impl UnitMemory {
         Ok(())
     }
 
+    /// Whether what is free has a place for a unit among `units`.
+    fn has_place(&self, units: &MeshUnits, unit: UnitId) -> bool {
+        let bytes = units.unit(unit).map(|(_, placed)| placed_bytes(placed));
+        bytes.is_none_or(|[vertices, words]| {
+            self.vertices.has_place((vertices / VERTEX_BYTES) as u32)
+                && self.words.has_place((words / WORD_BYTES) as u32)
+        })
+    }
+
+    /// From now on a unit that is there is drawn, or is not and counts as free.
+    pub(crate) fn use_for_drawing(&mut self, unit: UnitId, is_used: bool) {
+        let Some(span) = self.spans.get_mut(&unit) else {
+            return;
+        };
+        let was_used = std::mem::replace(&mut span.is_used, is_used);
+        match (was_used, is_used) {
+            (false, true) => self.used_bytes += span.bytes(),
+            (true, false) => self.used_bytes -= span.bytes(),
+            _ => {}
+        }
+    }
+
     /// Forgets a unit that no other needs.
     pub(crate) fn remove(&mut self, unit: UnitId) {
+        self.use_for_drawing(unit, false);
         if let Some(span) = self.spans.remove(&unit) {
             self.vertices.give_back(span.first, span.own);
             if let [first, .., end] = span.blocks[..] {
                 self.words.give_back(first, end - first);
-                self.used_bytes -= u64::from(end - first) * WORD_BYTES;
             }
-            self.used_bytes -= u64::from(span.own) * VERTEX_BYTES;
         }
     }
 
@@ -152,7 +191,11 @@ impl UnitMemory {
     ///
     /// # Errors
     /// None that it did not have before.
-    pub(crate) fn give_back(&mut self, units: &MeshUnits, must: bool) -> Result<bool, RenderError> {
+    pub(crate) fn give_back(
+        &mut self,
+        units: &mut MeshUnits,
+        must: bool,
+    ) -> Result<bool, RenderError> {
         let TakenBytes { used, held } = self.taken();
         let packs = must || held > used + used / 4;
         if packs {
@@ -161,9 +204,12 @@ impl UnitMemory {
         Ok(packs)
     }
 
-    /// Rewrites all units, one after the other, in pools of so many bytes, but of an eighth more
-    /// than they need at least.
-    fn pack(&mut self, units: &MeshUnits, most: u64) -> Result<(), RenderError> {
+    /// Rewrites all units that are drawn or about to be, one after the other, in pools of so many
+    /// bytes, but of an eighth more than they need at least.
+    fn pack(&mut self, units: &mut MeshUnits, most: u64) -> Result<(), RenderError> {
+        while let Some(idle) = units.give_way() {
+            self.remove(idle);
+        }
         let most_bound = most_bound(&self.gpu);
         let mut needed = [0; 2];
         for (_, _, placed) in units.all() {
@@ -189,6 +235,9 @@ impl UnitMemory {
         for (unit, _, _) in units.all() {
             let placed = self.place(units, unit, 0);
             assert!(placed.is_some(), "unit {} fits no more once packed", unit.0);
+            if let Some(span) = self.spans.get_mut(&unit) {
+                span.is_used = units.is_drawn(unit);
+            }
         }
         Ok(())
     }
@@ -252,6 +301,7 @@ impl UnitMemory {
             first,
             own: own_count,
             blocks,
+            is_used: true,
         };
         self.spans.insert(unit, span);
         Some(())

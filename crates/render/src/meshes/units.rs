@@ -1,6 +1,7 @@
 //! Which units of meshes are there, and which must stay?
 
 use crate::error::RenderError;
+use crate::idle::IdleUnits;
 use crate::meshes::bounds::{ClusterBounds, bounds_of};
 use crate::scene::coming::Coming;
 use foveal_core::content::mesh::cut::{MeshCut, PlacedUnit};
@@ -74,6 +75,18 @@ pub(crate) struct MeshUnits {
     /// Those of which vertices may be on their way.
     unsteady: BTreeSet<UnitId>,
     coarsest: u8,
+    /// Which are not drawn and stay, and these.
+    pub(crate) idle: IdleUnits<UnitId>,
+    hidden: BTreeMap<UnitId, (UnitNote, PlacedUnit)>,
+}
+
+/// What became of units that are not to be drawn.
+#[derive(Debug, Default)]
+pub(crate) struct Undrawn {
+    /// They stay.
+    pub(crate) hidden: Vec<UnitId>,
+    /// They are gone.
+    pub(crate) gone: Vec<UnitId>,
 }
 
 impl MeshUnits {
@@ -152,37 +165,79 @@ impl MeshUnits {
         }
     }
 
-    /// Takes a unit away; `false` where it was not there.
+    /// Takes a unit away that is drawn; `false` where it was not there.
     ///
     /// # Panics
-    /// No other that is there may need it.
+    /// No other that is drawn may need it.
     pub(crate) fn remove(&mut self, unit: UnitId) -> bool {
-        let Some(note) = self.notes.remove(&unit) else {
-            return false;
-        };
-        let dependents = note.dependents;
-        assert_eq!(dependents, 0, "unit {} is still needed by others", unit.0);
-        self.cut.remove(unit);
-        self.unsteady.remove(&unit);
-        self.count(&note.needs, |dependents| dependents - 1);
-        true
+        self.take(unit).is_some()
     }
 
-    /// Takes all units away but those that are wanted, what these need, and roots. Returns those
-    /// that are gone.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<UnitId> {
-        let mut gone = Vec::new();
+    fn take(&mut self, unit: UnitId) -> Option<(UnitNote, PlacedUnit)> {
+        let note = self.notes.remove(&unit)?;
+        let dependents = note.dependents;
+        assert_eq!(dependents, 0, "unit {} is still needed by others", unit.0);
+        let placed = self.cut.remove(unit)?;
+        self.unsteady.remove(&unit);
+        self.count(&note.needs, |dependents| dependents - 1);
+        Some((note, placed))
+    }
+
+    /// Draws only units that are wanted, what these need, and roots. Of the others those that are
+    /// `staying` are kept, first what is to stay longest, each after those that it needs.
+    pub(crate) fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) -> Undrawn {
+        let mut undrawn = Undrawn::default();
+        let stay: HashSet<UnitId> = staying.iter().copied().collect();
         let there: Vec<UnitId> = self.notes.keys().rev().copied().collect();
         for unit in there {
             // Those that need it have higher numbers: they are gone by now or stay.
             let note = &self.notes[&unit];
-            let stays = note.dependents > 0 || note.replaces.is_empty() || wanted.contains(&unit);
-            if !stays {
-                self.remove(unit);
-                gone.push(unit);
+            if note.dependents > 0 || note.replaces.is_empty() || wanted.contains(&unit) {
+                continue;
+            }
+            let taken = self.take(unit);
+            match stay.contains(&unit) {
+                true => {
+                    self.hidden.extend(taken.map(|taken| (unit, taken)));
+                    undrawn.hidden.push(unit);
+                }
+                false => undrawn.gone.push(unit),
             }
         }
-        gone
+        let leave = self.hidden.keys().filter(|unit| !stay.contains(*unit));
+        let leave: Vec<UnitId> = leave.copied().collect();
+        leave.iter().for_each(|unit| drop(self.hidden.remove(unit)));
+        undrawn.gone.extend(leave);
+        let staying = staying.iter().copied();
+        let order = staying.filter(|unit| self.hidden.contains_key(unit));
+        self.idle.set(order.collect());
+        undrawn
+    }
+
+    /// Draws a unit again that stayed; `false` where it did not.
+    pub(crate) fn show(&mut self, unit: UnitId) -> bool {
+        let Some((note, placed)) = self.hidden.remove(&unit) else {
+            return false;
+        };
+        self.idle.remove(unit);
+        let note = UnitNote {
+            is_unsteady: note.needs.iter().any(|it| self.unsteady.contains(it)),
+            ..note
+        };
+        if note.is_unsteady {
+            self.unsteady.insert(unit);
+        }
+        self.count(&note.needs, |dependents| dependents + 1);
+        self.notes.insert(unit, note);
+        self.cut.put_back(unit, placed);
+        true
+    }
+
+    /// The next unit that stayed and gives way.
+    pub(crate) fn give_way(&mut self) -> Option<UnitId> {
+        let unit = self.idle.give_way()?;
+        self.hidden.remove(&unit);
+        Some(unit)
     }
 
     /// From now on the new vertices of these units have gone so much of their way from the coarse
@@ -203,9 +258,12 @@ impl MeshUnits {
         Moved { vertices, bounds }
     }
 
-    /// The new vertices of a unit as they are now.
+    /// The new vertices of a unit as they are now, in their places where it is not drawn.
     pub(crate) fn new_vertices_now(&self, unit: UnitId) -> &[MeshVertex] {
-        self.cut.new_vertices_now(unit)
+        match self.hidden.get(&unit) {
+            Some((_, placed)) => &placed.vertices[usize::from(placed.staying)..],
+            None => self.cut.new_vertices_now(unit),
+        }
     }
 
     /// The coarsest level that was ever there.
@@ -213,14 +271,25 @@ impl MeshUnits {
         self.coarsest
     }
 
-    /// The units that are there, in order: what is known of each, and its clusters.
+    /// The units that are drawn, then those that are not, each after those that it needs: what is
+    /// known of each, and its clusters.
     pub(crate) fn all(&self) -> impl Iterator<Item = (UnitId, &UnitNote, &PlacedUnit)> {
         let noted = |(unit, placed)| self.notes.get(&unit).map(|note| (unit, note, placed));
-        self.cut.units().filter_map(noted)
+        let hidden = self.hidden.iter();
+        let hidden = hidden.map(|(unit, (note, placed))| (*unit, note, placed));
+        self.cut.units().filter_map(noted).chain(hidden)
     }
 
-    /// The clusters of a unit that is there.
+    /// Whether a unit is there and drawn.
+    pub(crate) fn is_drawn(&self, unit: UnitId) -> bool {
+        self.notes.contains_key(&unit)
+    }
+
+    /// The clusters of a unit that is there, drawn or not.
     pub(crate) fn unit(&self, unit: UnitId) -> Option<(&UnitNote, &PlacedUnit)> {
+        if let Some((note, placed)) = self.hidden.get(&unit) {
+            return Some((note, placed));
+        }
         Some((self.notes.get(&unit)?, self.cut.unit(unit)?))
     }
 

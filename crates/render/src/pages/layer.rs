@@ -4,6 +4,7 @@ use crate::error::RenderError;
 use crate::gpu::buffers::storage;
 use crate::gpu::device::Gpu;
 use crate::gpu::room::TakenBytes;
+use crate::idle::IdleUnits;
 use crate::pages::atlas::PageAtlas;
 use crate::pages::table::{PageSlot, PageTable};
 use crate::scene::coming::Coming;
@@ -55,6 +56,28 @@ impl PageLayer {
         &self.table
     }
 
+    /// A free slot: what is not shown gives way before the atlas grows.
+    fn take_slot(&mut self, most_bytes: u64) -> Option<PageSlot> {
+        loop {
+            if let Some(slot) = self.atlas.take(&self.gpu, 0) {
+                return Some(slot);
+            }
+            match self.table.give_way() {
+                Some(slots) => self.atlas.give_back(slots),
+                None => return self.atlas.take(&self.gpu, most_bytes),
+            }
+        }
+    }
+
+    /// Gives back layers where most of them is free.
+    fn pack(&mut self) {
+        if self.atlas.is_mostly_free() {
+            let used: Vec<PageSlot> = self.table.slots().collect();
+            let places = self.atlas.pack(&self.gpu, &used);
+            self.table.move_to(places.into_iter());
+        }
+    }
+
     /// Writes to the GPU what changed of the table.
     fn settle(&mut self) {
         let changed = self.table.take_changed();
@@ -76,13 +99,13 @@ impl KindLayer for PageLayer {
             return Err(RenderError::OtherKind);
         };
         let Coming { unit, needs, .. } = *coming;
-        if self.table.is_there(unit) {
+        if self.table.show_again(unit) || self.table.is_there(unit) {
             return Ok(true);
         }
         let pictures = self.table.pictures_of(unit, needs, says)?;
         let mut slots = Vec::new();
         for picture in &pictures {
-            let Some(slot) = self.atlas.take(&self.gpu, left.held) else {
+            let Some(slot) = self.take_slot(left.held) else {
                 self.atlas.give_back(slots);
                 return Ok(false);
             };
@@ -98,14 +121,18 @@ impl KindLayer for PageLayer {
         false
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        let free = self.table.retain(wanted);
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        let free = self.table.keep(wanted, staying);
         self.atlas.give_back(free);
-        if self.atlas.is_mostly_free() {
-            let used: Vec<PageSlot> = self.table.slots().collect();
-            let places = self.atlas.pack(&self.gpu, &used);
-            self.table.move_to(places.into_iter());
-        }
+        self.pack();
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        self.table.show_again(unit)
+    }
+
+    fn idle(&mut self) -> Option<&mut IdleUnits<UnitId>> {
+        Some(&mut self.table.idle)
     }
 
     /// Pages give way to all other units: no room was promised to them.
@@ -117,7 +144,10 @@ impl KindLayer for PageLayer {
     }
 
     fn give_back(&mut self, _must: bool) -> Result<(), RenderError> {
-        // What is mostly free is given back as soon as pages go.
+        while let Some(slots) = self.table.give_way() {
+            self.atlas.give_back(slots);
+        }
+        self.pack();
         Ok(())
     }
 

@@ -5,7 +5,9 @@
 //! and shows that part, and of which level it is.
 
 use crate::error::RenderError;
+use crate::idle::IdleUnits;
 use crate::pages::tail::{place_in_tail, tail_of};
+use crate::scene::placements::OnTextures;
 use foveal_core::content::images::payload::ImagePage;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{BORDER, PagePlace, TextureShape};
@@ -53,6 +55,9 @@ pub(crate) struct PageTable {
     lists: Vec<u32>,
     /// Words that changed since they were taken.
     changed: Range<usize>,
+    /// Which are not shown and stay, and these.
+    pub(crate) idle: IdleUnits<UnitId>,
+    hidden: BTreeMap<UnitId, PageNote>,
 }
 
 impl PageTable {
@@ -81,6 +86,8 @@ impl PageTable {
             changed: 0..words.len(),
             words,
             lists,
+            idle: IdleUnits::default(),
+            hidden: BTreeMap::new(),
         }
     }
 
@@ -98,9 +105,29 @@ impl PageTable {
         std::mem::replace(&mut self.changed, self.words.len()..0)
     }
 
-    /// Where the list of textures of an object begins.
-    pub(crate) fn list_of(&self, object: usize) -> u32 {
-        self.lists[object]
+    /// How the vertices of an object, the one of this number, lie on textures.
+    pub(crate) fn place_of(&self, number: usize, object: &SceneObject) -> OnTextures {
+        OnTextures {
+            uv_from_grid: self.uv_from_grid(object),
+            textures: self.lists[number],
+        }
+    }
+
+    /// How places on the grid of an object's textures become those on textures. What repeats begins
+    /// near 0, where single precision holds more.
+    fn uv_from_grid(&self, object: &SceneObject) -> [f32; 4] {
+        let Some(texturing) = &object.texturing else {
+            return [0.0; 4];
+        };
+        let mut textures = texturing.textures.iter().filter_map(|it| self.texture(*it));
+        let clamps = textures.any(|it| it.wrap.contains(&Wrap::Clamp));
+        let [u, v] = texturing.origin.map(|it| match clamps {
+            true => it,
+            // Mirrors repeat every second time.
+            false => it.rem_euclid(2.0),
+        });
+        let [across, along] = texturing.step;
+        [u, v, across, along].map(|it| it as f32)
     }
 
     /// A texture.
@@ -173,11 +200,6 @@ impl PageTable {
         (texture, page): (u16, PagePlace),
         slots: Vec<PageSlot>,
     ) {
-        for need in needs {
-            if let Some(note) = self.notes.get_mut(need) {
-                note.dependents += 1;
-            }
-        }
         let note = PageNote {
             texture,
             page,
@@ -185,29 +207,68 @@ impl PageTable {
             needs: needs.to_vec(),
             dependents: 0,
         };
+        self.put(unit, note);
+    }
+
+    fn put(&mut self, unit: UnitId, note: PageNote) {
+        for need in &note.needs {
+            if let Some(coarser) = self.notes.get_mut(need) {
+                coarser.dependents += 1;
+            }
+        }
         self.show(&note, None);
         self.notes.insert(unit, note);
     }
 
-    /// Takes away all pages but those that are wanted, what these need, and roots. Returns the
-    /// places that are free now.
-    pub(crate) fn retain(&mut self, wanted: &HashSet<UnitId>) -> Vec<PageSlot> {
+    /// Shows only pages that are wanted, what these need, and roots. Of the others those that are
+    /// `staying` are kept, first what is to stay longest, each after those that it needs. Returns
+    /// the places that are free now.
+    pub(crate) fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) -> Vec<PageSlot> {
         let mut free = Vec::new();
+        let stay: HashSet<UnitId> = staying.iter().copied().collect();
         let there: Vec<UnitId> = self.notes.keys().rev().copied().collect();
         for unit in there {
             // Those that need it have higher numbers: they are gone by now or stay.
             let note = &self.notes[&unit];
-            let stays = note.dependents > 0 || note.needs.is_empty() || wanted.contains(&unit);
-            if !stays {
-                free.extend(self.remove(unit));
+            if note.dependents > 0 || note.needs.is_empty() || wanted.contains(&unit) {
+                continue;
+            }
+            let removed = self.remove(unit);
+            match stay.contains(&unit) {
+                true => self.hidden.extend(removed.map(|note| (unit, note))),
+                false => free.extend(removed.into_iter().flat_map(|it| it.slots)),
             }
         }
+        let leave = self.hidden.keys().filter(|unit| !stay.contains(*unit));
+        for unit in leave.copied().collect::<Vec<_>>() {
+            let gone = self.hidden.remove(&unit);
+            free.extend(gone.into_iter().flat_map(|it| it.slots));
+        }
+        let staying = staying.iter().copied();
+        let order = staying.filter(|unit| self.hidden.contains_key(unit));
+        self.idle.set(order.collect());
         free
+    }
+
+    /// Shows a page again that stayed; `false` where it did not.
+    pub(crate) fn show_again(&mut self, unit: UnitId) -> bool {
+        let Some(note) = self.hidden.remove(&unit) else {
+            return false;
+        };
+        self.idle.remove(unit);
+        self.put(unit, note);
+        true
+    }
+
+    /// The places of the next page that stayed and gives way; `None` where there is none.
+    pub(crate) fn give_way(&mut self) -> Option<Vec<PageSlot>> {
+        let unit = self.idle.give_way()?;
+        Some(self.hidden.remove(&unit)?.slots)
     }
 
     /// From now on pages lie elsewhere, each at the next of these places, in order.
     pub(crate) fn move_to(&mut self, mut places: impl Iterator<Item = PageSlot>) {
-        for note in self.notes.values_mut() {
+        for note in self.notes.values_mut().chain(self.hidden.values_mut()) {
             let slots = note.slots.iter_mut().zip(&mut places);
             slots.for_each(|(slot, place)| *slot = place);
         }
@@ -233,15 +294,12 @@ impl PageTable {
 
     /// Where all pages lie, in order.
     pub(crate) fn slots(&self) -> impl Iterator<Item = PageSlot> {
-        self.notes
-            .values()
-            .flat_map(|note| note.slots.iter().copied())
+        let notes = self.notes.values().chain(self.hidden.values());
+        notes.flat_map(|note| note.slots.iter().copied())
     }
 
-    fn remove(&mut self, unit: UnitId) -> Vec<PageSlot> {
-        let Some(note) = self.notes.remove(&unit) else {
-            return Vec::new();
-        };
+    fn remove(&mut self, unit: UnitId) -> Option<PageNote> {
+        let note = self.notes.remove(&unit)?;
         for need in &note.needs {
             if let Some(coarser) = self.notes.get_mut(need) {
                 coarser.dependents -= 1;
@@ -255,7 +313,7 @@ impl PageTable {
         if let Some(coarser) = coarser {
             self.show(&coarser, Some((note.page, entry_of(&note))));
         }
-        note.slots
+        Some(note)
     }
 
     /// From now on a page shows its part where coarser ones or none did; or only where an entry was
@@ -382,8 +440,13 @@ mod tests {
         let all = |table: &PageTable| [0, 1, 2, 3].map(|column| shown(table, column));
         assert_eq!(all(&table), [[7, 2], [7, 2], [9, 0], [8, 1]]);
         let wanted = HashSet::from([fine]);
-        assert_eq!(table.retain(&wanted), []);
-        assert_eq!(table.retain(&HashSet::new()).len(), 2);
+        assert_eq!(table.keep(&wanted, &[]), []);
+        let before = table.words.clone();
+        assert_eq!(table.keep(&HashSet::new(), &[coarse, fine]), []);
+        assert_eq!(all(&table), [[7, 2]; 4]);
+        assert!([coarse, fine].map(|unit| table.show_again(unit)) == [true; 2]);
+        assert_eq!(table.words, before);
+        assert_eq!(table.keep(&HashSet::new(), &[]).len(), 2);
         assert_eq!(all(&table), [[7, 2]; 4]);
     }
 

@@ -3,7 +3,8 @@
 use crate::points::params::{CubeParams, NONE};
 use crate::points::units::CloudUnits;
 use crate::scene::params::in_view;
-use foveal_core::content::scene::description::{Cloud, SceneObject};
+use foveal_core::content::points::cloud::Cloud;
+use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::view::eye_view::EyeView;
 use glam::{DAffine3, DMat3, DVec3};

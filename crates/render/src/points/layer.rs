@@ -5,12 +5,14 @@ use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
 use crate::gpu::pool::most_bound;
 use crate::gpu::room::TakenBytes;
+use crate::idle::IdleUnits;
 use crate::points::cubes::{StandingCube, standing};
 use crate::points::memory::{BLOCK, PointMemory, placed_bytes};
 use crate::points::params::{CloudViewParams, CubeParams};
-use crate::points::pass::PointPass;
+use crate::points::pass::point_pass;
 use crate::points::units::CloudUnits;
 use crate::scene::coming::{Coming, Refiners};
+use crate::scene::corner_pass::CornerPass;
 use crate::scene::kind::{Frame, KindLayer};
 use crate::scene::params::SceneStyle;
 use crate::scene::phase::{Go, Phase};
@@ -42,8 +44,8 @@ pub(crate) struct PointLayer {
     shown: wgpu::Buffer,
     /// Blocks that the last picture was drawn of.
     count: u32,
-    colours: PointPass,
-    refiners: Option<PointPass>,
+    colours: CornerPass,
+    refiners: Option<CornerPass>,
     /// What the last picture was drawn with.
     bound: Option<wgpu::BindGroup>,
 }
@@ -67,10 +69,22 @@ impl PointLayer {
             seen_cubes: storage(gpu, "cubes of points", size_of::<CubeParams>() as u64)?,
             shown: storage(gpu, "blocks of points", ENTRY_BYTES)?,
             count: 0,
-            colours: PointPass::new(gpu, Phase::Opaque),
+            colours: point_pass(gpu, Phase::Opaque),
             refiners: None,
             bound: None,
         })
+    }
+
+    /// What is not drawn gives way to a unit before anything grows.
+    fn make_place(&mut self, unit: UnitId) {
+        let there = self.units.unit(unit);
+        let bytes = there.map_or(0, |(_, placed)| placed_bytes(placed));
+        while self.memory.free_bytes() < bytes {
+            let Some(idle) = self.units.give_way() else {
+                return;
+            };
+            self.memory.remove(idle);
+        }
     }
 
     /// Rewrites a unit whose colours changed.
@@ -104,7 +118,7 @@ impl PointLayer {
     }
 
     /// What draws a phase, where there is anything to draw in it.
-    fn pass(&self, phase: Phase) -> Option<&PointPass> {
+    fn pass(&self, phase: Phase) -> Option<&CornerPass> {
         match phase {
             Phase::Opaque => Some(&self.colours),
             Phase::Transparent => None,
@@ -123,7 +137,7 @@ impl PointLayer {
             &self.view,
         ];
         let pass = self.pass(frame.phase)?;
-        Some(pass.bind(&self.gpu, buffers))
+        Some(pass.bind(&self.gpu, &buffers))
     }
 }
 
@@ -136,9 +150,10 @@ impl KindLayer for PointLayer {
         let PayloadView::Points(says) = coming.says else {
             return Err(RenderError::OtherKind);
         };
-        if !self.units.insert(coming, says)? {
+        if self.show(coming.unit) || !self.units.insert(coming, says)? {
             return Ok(true);
         }
+        self.make_place(coming.unit);
         let there = self.units.unit(coming.unit);
         let cloud = self.units.cloud(coming.object);
         let (Some((_, placed)), Some(cloud)) = (there, cloud) else {
@@ -167,10 +182,37 @@ impl KindLayer for PointLayer {
         is_there
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        let stay: HashSet<UnitId> = staying.iter().copied().collect();
         for unit in self.units.to_go(wanted) {
-            self.remove(unit);
+            if !stay.contains(&unit) {
+                self.remove(unit);
+                continue;
+            }
+            let changed = self.units.hide(unit);
+            self.memory.use_for_drawing(unit, false);
+            self.rewrite(changed);
+            self.is_stale = true;
         }
+        for unit in self.units.set_idle(staying) {
+            self.memory.remove(unit);
+        }
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        let is_there = self.units.show(unit);
+        if is_there {
+            self.memory.use_for_drawing(unit, true);
+            self.rewrite(Some(unit));
+            let parent = self.units.unit(unit);
+            self.rewrite(parent.and_then(|(_, placed)| placed.parent()));
+            self.is_stale = true;
+        }
+        is_there
+    }
+
+    fn idle(&mut self) -> Option<&mut IdleUnits<UnitId>> {
+        Some(&mut self.units.idle)
     }
 
     fn taken(&self) -> TakenBytes {
@@ -183,7 +225,12 @@ impl KindLayer for PointLayer {
 
     fn give_back(&mut self, must: bool) -> Result<(), RenderError> {
         match must {
-            true => self.memory.pack(&self.units),
+            true => {
+                while let Some(idle) = self.units.give_way() {
+                    self.memory.remove(idle);
+                }
+                self.memory.pack(&self.units)
+            }
             // It holds little more than it needs.
             false => Ok(()),
         }
@@ -207,7 +254,7 @@ impl KindLayer for PointLayer {
             self.cubes = standing(&self.units, &self.objects);
         }
         if frame.phase == Phase::Ids && self.refiners.is_none() {
-            self.refiners = Some(PointPass::new(&self.gpu, Phase::Ids));
+            self.refiners = Some(point_pass(&self.gpu, Phase::Ids));
         }
         let (view, gpu) = (frame.view, &self.gpu);
         let params = CloudViewParams {

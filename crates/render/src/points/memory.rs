@@ -8,10 +8,10 @@ use crate::gpu::device::Gpu;
 use crate::gpu::pool::Pool;
 use crate::gpu::room::TakenBytes;
 use crate::points::units::CloudUnits;
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::{PlacedPoints, ShownPoint};
-use foveal_core::content::scene::description::Cloud;
 use foveal_core::pack::unit::UnitId;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 const POINTS: &str = "points of clouds";
 /// Points of a block.
@@ -28,6 +28,8 @@ pub(crate) struct PointMemory {
     gpu: Gpu,
     pool: Pool,
     blocks: BTreeMap<UnitId, Vec<u32>>,
+    /// Those of them that are not drawn: their blocks count as free.
+    idle: BTreeSet<UnitId>,
     used: u64,
 }
 
@@ -46,6 +48,7 @@ impl PointMemory {
             gpu: gpu.clone(),
             pool: Pool::new(gpu, POINTS, BLOCK_BYTES, Some(FIRST_BLOCKS))?,
             blocks: BTreeMap::new(),
+            idle: BTreeSet::new(),
             used: 0,
         })
     }
@@ -66,6 +69,21 @@ impl PointMemory {
     /// The blocks of a unit, in order.
     pub(crate) fn blocks(&self, unit: UnitId) -> &[u32] {
         self.blocks.get(&unit).map_or(&[], Vec::as_slice)
+    }
+
+    /// Bytes of the blocks in which nothing lies.
+    pub(crate) fn free_bytes(&self) -> u64 {
+        u64::from(self.pool.free()) * BLOCK_BYTES
+    }
+
+    /// From now on a unit that is there is drawn, or is not and counts as free.
+    pub(crate) fn use_for_drawing(&mut self, unit: UnitId, is_used: bool) {
+        let blocks = self.blocks(unit).len() as u64;
+        match is_used {
+            true if self.idle.remove(&unit) => self.used += blocks,
+            false if blocks > 0 && self.idle.insert(unit) => self.used -= blocks,
+            _ => {}
+        }
     }
 
     /// Finds blocks for a unit, in a pool of at most `most_bytes`, and writes it there; `false`
@@ -104,8 +122,9 @@ impl PointMemory {
 
     /// Forgets a unit.
     pub(crate) fn remove(&mut self, unit: UnitId) {
+        self.use_for_drawing(unit, false);
+        self.idle.remove(&unit);
         let blocks = self.blocks.remove(&unit).unwrap_or_default();
-        self.used -= blocks.len() as u64;
         blocks
             .into_iter()
             .for_each(|block| self.pool.give_back(block, 1));
@@ -116,16 +135,21 @@ impl PointMemory {
     /// # Errors
     /// The device cannot bind as many.
     pub(crate) fn pack(&mut self, units: &CloudUnits) -> Result<(), RenderError> {
-        let blocks = (self.used as u32).max(FIRST_BLOCKS);
+        let all = self.blocks.values().map(|blocks| blocks.len() as u32);
+        let blocks = all.sum::<u32>().max(FIRST_BLOCKS);
         self.pool = Pool::new(&self.gpu, POINTS, BLOCK_BYTES, Some(blocks))?;
         let there: Vec<UnitId> = std::mem::take(&mut self.blocks).into_keys().collect();
         self.used = 0;
+        let idle = std::mem::take(&mut self.idle);
         for unit in there {
-            let placed = units.unit(unit);
+            let placed = units.unit(unit).or_else(|| units.hidden(unit));
             let cloud = placed.and_then(|(note, _)| units.cloud(note.object));
             if let (Some((_, placed)), Some(cloud)) = (placed, cloud) {
                 self.insert(unit, (placed, cloud), 0);
             }
+        }
+        for unit in idle {
+            self.use_for_drawing(unit, false);
         }
         Ok(())
     }

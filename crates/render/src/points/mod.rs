@@ -4,5 +4,5 @@ pub(crate) mod cubes;
 pub(crate) mod layer;
 mod memory;
 pub mod params;
-mod pass;
+pub mod pass;
 pub(crate) mod units;

@@ -1,10 +1,12 @@
 //! Which units of clouds are there, and which must stay?
 
 use crate::error::RenderError;
+use crate::idle::IdleUnits;
 use crate::scene::coming::{Coming, Refiners};
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::{PlacedPoints, PointCut};
 use foveal_core::content::points::payload::PointUnit;
-use foveal_core::content::scene::description::{Cloud, SceneObject};
+use foveal_core::content::scene::description::SceneObject;
 use foveal_core::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
@@ -26,13 +28,16 @@ pub(crate) struct CloudUnits {
     notes: BTreeMap<UnitId, CloudNote>,
     refiners: Arc<Refiners>,
     coarsest: u8,
+    /// Which are not drawn and stay, and these.
+    pub(crate) idle: IdleUnits<UnitId>,
+    hidden: BTreeMap<UnitId, (CloudNote, PlacedPoints)>,
 }
 
 impl CloudUnits {
     /// No unit of these objects.
     pub(crate) fn new(objects: &[SceneObject]) -> Self {
         Self {
-            clouds: objects.iter().map(|it| it.points).collect(),
+            clouds: objects.iter().map(|it| it.shape.cloud().copied()).collect(),
             ..Self::default()
         }
     }
@@ -75,16 +80,64 @@ impl CloudUnits {
         Ok(true)
     }
 
-    /// Takes a unit away; returns the one whose colours changed by that.
+    /// Takes a unit away that is drawn; returns the one whose colours changed by that.
     ///
     /// # Panics
-    /// No other that is there may need it.
+    /// No other that is drawn may need it.
     pub(crate) fn remove(&mut self, unit: UnitId) -> Option<UnitId> {
+        self.take(unit)?.1.parent()
+    }
+
+    fn take(&mut self, unit: UnitId) -> Option<(CloudNote, PlacedPoints)> {
         let there = self.cut.unit(unit)?;
         let is_needed = there.refined_by.iter().any(Option::is_some);
         assert!(!is_needed, "unit {} is still needed by others", unit.0);
-        self.notes.remove(&unit);
-        self.cut.remove(unit)
+        Some((self.notes.remove(&unit)?, self.cut.remove(unit)?))
+    }
+
+    /// Keeps a unit without drawing it; returns the one whose colours changed by that.
+    pub(crate) fn hide(&mut self, unit: UnitId) -> Option<UnitId> {
+        let (note, placed) = self.take(unit)?;
+        let parent = placed.parent();
+        self.hidden.insert(unit, (note, placed));
+        parent
+    }
+
+    /// Draws a unit again that stayed; `false` where it did not.
+    pub(crate) fn show(&mut self, unit: UnitId) -> bool {
+        let Some((note, placed)) = self.hidden.remove(&unit) else {
+            return false;
+        };
+        self.idle.remove(unit);
+        self.notes.insert(unit, note);
+        self.cut.put_back(unit, placed);
+        true
+    }
+
+    /// From now on these stay, of those that are not drawn, first what is to stay longest. Returns
+    /// the others, which are gone.
+    pub(crate) fn set_idle(&mut self, staying: &[UnitId]) -> Vec<UnitId> {
+        let stay: HashSet<UnitId> = staying.iter().copied().collect();
+        let leave = self.hidden.keys().filter(|unit| !stay.contains(*unit));
+        let leave: Vec<UnitId> = leave.copied().collect();
+        leave.iter().for_each(|unit| drop(self.hidden.remove(unit)));
+        let staying = staying.iter().copied();
+        let order = staying.filter(|unit| self.hidden.contains_key(unit));
+        self.idle.set(order.collect());
+        leave
+    }
+
+    /// The next unit that stayed and gives way.
+    pub(crate) fn give_way(&mut self) -> Option<UnitId> {
+        let unit = self.idle.give_way()?;
+        self.hidden.remove(&unit);
+        Some(unit)
+    }
+
+    /// A unit that stays without being drawn.
+    pub(crate) fn hidden(&self, unit: UnitId) -> Option<(CloudNote, &PlacedPoints)> {
+        let (note, placed) = self.hidden.get(&unit)?;
+        Some((*note, placed))
     }
 
     /// Which are to go so that only those stay that are wanted, what these need, and roots: each

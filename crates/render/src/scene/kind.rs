@@ -2,6 +2,7 @@
 
 use crate::error::RenderError;
 use crate::gpu::room::TakenBytes;
+use crate::idle::IdleUnits;
 use crate::scene::coming::{Coming, Refiners};
 use crate::scene::params::SceneStyle;
 use crate::scene::phase::{Go, Phase};
@@ -55,11 +56,21 @@ pub trait KindLayer {
     /// It does not fit to what is there or into the bytes left: nothing changed then.
     fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError>;
 
-    /// Takes a unit away; `false` where it was not there.
+    /// Takes a unit away that is drawn; `false` where it was not there.
     fn remove(&mut self, unit: UnitId) -> bool;
 
-    /// Takes all units away but those that are wanted, what these need, and roots.
-    fn retain(&mut self, wanted: &HashSet<UnitId>);
+    /// Draws only units that are wanted, what these need, and roots. Of the others those stay that
+    /// are `staying`, first what is to stay longest, each after those that it needs: they count as
+    /// free, and give way before anything grows.
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]);
+
+    /// Draws a unit again that stayed; `false` where it did not.
+    fn show(&mut self, unit: UnitId) -> bool;
+
+    /// What stays without being drawn and may give way; `None` of a layer in which nothing does.
+    fn idle(&mut self) -> Option<&mut IdleUnits<UnitId>> {
+        None
+    }
 
     /// Bytes of units.
     fn taken(&self) -> TakenBytes;

@@ -5,6 +5,7 @@ use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
 use crate::gpu::readback::{PictureCopy, ReadBack};
 use crate::gpu::room::GpuRoom;
+use crate::idle::IdleUnits;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::image::RgbaImage;
 use crate::importance::marks::UnitMarks;
@@ -61,7 +62,7 @@ impl SceneLayer {
     ///
     /// # Errors
     /// The objects stand in more places than the device binds.
-    pub(crate) fn of_layers(
+    pub fn of_layers(
         gpu: &Gpu,
         layers: Vec<Box<dyn KindLayer>>,
         placements: Arc<Placements>,
@@ -167,9 +168,32 @@ impl SceneLayer {
 
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
+        self.keep(wanted, &[]);
+    }
+
+    /// Draws only units that are wanted, what these need, and roots. Of the others those stay that
+    /// are `staying`, first what is to stay longest, until their places are needed.
+    pub fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
         self.layers
             .iter_mut()
-            .for_each(|layer| layer.retain(wanted));
+            .for_each(|layer| layer.keep(wanted, staying));
+    }
+
+    /// Draws a unit again that stayed, after those that it needs; `false` where it did not stay.
+    pub fn show(&mut self, unit: UnitId) -> bool {
+        self.layers.iter_mut().any(|layer| layer.show(unit))
+    }
+
+    /// These do not give way, until others are spared: they are about to be drawn again.
+    pub fn spare(&mut self, units: &[UnitId]) {
+        let idle = self.layers.iter_mut().filter_map(|layer| layer.idle());
+        idle.for_each(|idle| idle.spare(units));
+    }
+
+    /// Units that stayed and gave way since this was last asked.
+    pub fn take_evicted(&mut self) -> Vec<UnitId> {
+        let idle = self.layers.iter_mut().filter_map(|layer| layer.idle());
+        idle.flat_map(IdleUnits::take_evicted).collect()
     }
 
     /// From now on these units have gone so much of their way from what is coarser, 0 to 1, and all

@@ -1,8 +1,7 @@
 //! Scenes: layers of units of all kinds, and the pictures that are drawn of them.
 
 pub mod coming;
-pub(crate) mod drawer;
-pub(crate) mod drawn;
+pub mod corner_pass;
 pub mod footprints;
 pub mod kind;
 pub(crate) mod layer;
@@ -10,5 +9,5 @@ pub(crate) mod measuring;
 pub(crate) mod morphs;
 pub mod params;
 pub mod phase;
-pub(crate) mod placements;
+pub mod placements;
 pub(crate) mod targets;

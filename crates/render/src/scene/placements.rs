@@ -1,18 +1,25 @@
 //! Where do objects stand before the eye?
 
-use crate::pages::table::PageTable;
 use crate::scene::params::{
     COLOURS, MIRRORED, NORMALS, PlacementParams, TEXTURED, TWO_SIDED, UNLIT, in_view,
 };
-use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::scene::description::SceneObject;
 use foveal_core::content::scene::lighting::normal_matrix;
 use foveal_core::view::eye_view::EyeView;
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::Range;
 
+/// How the vertices of an object lie on textures.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OnTextures {
+    /// Origin and step of the grid of places on textures.
+    pub uv_from_grid: [f32; 4],
+    /// Where the list of its textures begins.
+    pub textures: u32,
+}
+
 /// Objects, each where it stands.
-pub(crate) struct Placements {
+pub struct Placements {
     all: Vec<Placement>,
     /// The first placement of each object; last, their number.
     first: Vec<u32>,
@@ -24,14 +31,16 @@ struct Placement {
     /// Normals know nothing of the grid: they are of the object's space.
     world_from_object: DMat3,
     colour: [f32; 4],
-    uv_from_grid: [f32; 4],
     flags: u32,
-    textures: u32,
+    on_textures: OnTextures,
 }
 
 impl Placements {
-    /// All placements of objects, whose textures these pages are of.
-    pub(crate) fn new(objects: &[SceneObject], pages: &PageTable) -> Self {
+    /// All placements of objects; `on_textures` says how each lies on textures, by its number.
+    pub fn new(
+        objects: &[SceneObject],
+        on_textures: impl Fn(usize, &SceneObject) -> OnTextures,
+    ) -> Self {
         let (mut all, mut first) = (Vec::new(), vec![0]);
         for (number, object) in objects.iter().enumerate() {
             let object_from_grid = object.grid.object_from_grid();
@@ -39,8 +48,7 @@ impl Placements {
                 world_from_grid: world_from_object * object_from_grid,
                 world_from_object: world_from_object.matrix3,
                 colour: object.colour,
-                uv_from_grid: uv_from_grid(object, pages),
-                textures: pages.list_of(number),
+                on_textures: on_textures(number, object),
                 flags: flags(object, world_from_object.matrix3),
             }));
             first.push(all.len() as u32);
@@ -87,9 +95,9 @@ impl Placement {
             normal_from_object: rows(normals, DVec3::ZERO),
             eye_in_grid: [x, y, z, if is_known { 1.0 } else { 0.0 }],
             colour: self.colour,
-            uv_from_grid: self.uv_from_grid,
+            uv_from_grid: self.on_textures.uv_from_grid,
             flags: self.flags,
-            textures: self.textures,
+            textures: self.on_textures.textures,
             unused_pair: [0; 2],
         }
     }
@@ -103,26 +111,6 @@ fn flags(object: &SceneObject, world_from_object: DMat3) -> u32 {
         | flag(world_from_object.determinant() < 0.0, MIRRORED)
         | flag(object.two_sided, TWO_SIDED)
         | flag(object.attributes.textured, TEXTURED)
-}
-
-/// How places on the grid of an object's textures become those on textures. What repeats begins
-/// near 0, where single precision holds more.
-fn uv_from_grid(object: &SceneObject, pages: &PageTable) -> [f32; 4] {
-    let Some(texturing) = &object.texturing else {
-        return [0.0; 4];
-    };
-    let mut textures = texturing
-        .textures
-        .iter()
-        .filter_map(|it| pages.texture(*it));
-    let clamps = textures.any(|it| it.wrap.contains(&Wrap::Clamp));
-    let [u, v] = texturing.origin.map(|it| match clamps {
-        true => it,
-        // Mirrors repeat every second time.
-        false => it.rem_euclid(2.0),
-    });
-    let [across, along] = texturing.step;
-    [u, v, across, along].map(|it| it as f32)
 }
 
 fn columns(matrix: DMat3) -> [DVec3; 3] {

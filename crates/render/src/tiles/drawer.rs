@@ -16,7 +16,7 @@ use crate::tiles::sparse::Interpolation;
 use crate::tiles::textures::TextureRenderer;
 use crate::twin::{self, TwinSamples, TwinTiles};
 use foveal_core::content::policy::PolicyConfig;
-use foveal_core::content::unit::UnitRef;
+use foveal_core::content::unit::{AssetId, UnitRef};
 use foveal_core::content::video::Video;
 use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::gaze::sample::GazeSample;
@@ -65,6 +65,10 @@ pub struct TileDrawer {
     sampling: Option<(MaskShape, Sampling)>,
     /// What the samples that are shown were gathered for; `None` once tiles came.
     gathered: Option<(DVec3, EyeView)>,
+    /// The frame that is shown.
+    frame: u32,
+    /// Tiles of frames that stay no longer, and are not reported yet.
+    evicted: Vec<(Tile, u32)>,
 }
 
 enum Engine {
@@ -100,6 +104,8 @@ impl TileDrawer {
             style,
             sampling: None,
             gathered: None,
+            frame: 0,
+            evicted: Vec::new(),
         })
     }
 
@@ -187,6 +193,7 @@ impl TileDrawer {
     /// From now on source frame `frame` is shown.
     pub(crate) fn begin_frame(&mut self, frame: u32) {
         self.engine.begin_frame(frame);
+        self.frame = frame;
         if let Some((_, sampling)) = &mut self.sampling {
             sampling.begin_frame(self.video.grid().coarsest());
         }
@@ -211,14 +218,54 @@ impl TileDrawer {
         self.engine.upload(tile, piece.frame, &picture)
     }
 
-    /// Evicts all units but these and the coarsest level.
-    pub(crate) fn keep(&mut self, units: &[UnitRef]) {
-        let tiles: Vec<Tile> = units.iter().map(|unit| self.tile_of(*unit)).collect();
+    /// Shows only `shown` units and the coarsest level. Of the others those stay that are
+    /// `staying`, first what is to stay longest; where samples are shown, none.
+    pub(crate) fn keep(&mut self, shown: &[UnitRef], staying: &[UnitRef]) {
+        let [shown, staying] = [shown, staying].map(|it| self.tiles_of(it));
         if let Some((_, sampling)) = &mut self.sampling {
-            sampling.retain(self.video.grid().coarsest(), &tiles);
+            sampling.retain(self.video.grid().coarsest(), &shown);
             self.gathered = None;
+            let frame = self.frame;
+            self.evicted
+                .extend(staying.iter().map(|tile| (*tile, frame)));
+            self.engine.keep(&shown, &[]);
+        } else {
+            self.engine.keep(&shown, &staying);
         }
-        self.engine.retain(&tiles);
+    }
+
+    /// Shows a piece again that stayed; `false` where it did not.
+    pub(crate) fn show(&mut self, piece: Piece) -> bool {
+        let tile = self.tile_of(piece.unit);
+        self.sampling.is_none() && self.engine.show(tile)
+    }
+
+    /// These do not give way, until others are spared: they are about to be shown again.
+    pub(crate) fn spare(&mut self, units: &[UnitRef]) {
+        let tiles = self.tiles_of(units);
+        if let Engine::Atlas(renderer) = &mut self.engine {
+            renderer.tiles().spare(&tiles);
+        }
+    }
+
+    /// Pieces of an asset of this number that stayed and gave way since this was last asked.
+    pub(crate) fn take_evicted(&mut self, asset: AssetId) -> Vec<Piece> {
+        let mut evicted = std::mem::take(&mut self.evicted);
+        if let Engine::Atlas(renderer) = &mut self.engine {
+            evicted.extend(renderer.tiles().take_evicted());
+        }
+        let piece = |(tile, frame)| Piece {
+            unit: UnitRef {
+                asset,
+                unit: self.video.pack().unit(tile, frame),
+            },
+            frame,
+        };
+        evicted.into_iter().map(piece).collect()
+    }
+
+    fn tiles_of(&self, units: &[UnitRef]) -> Vec<Tile> {
+        units.iter().map(|unit| self.tile_of(*unit)).collect()
     }
 
     /// Resident units that hold another frame than the one shown.
@@ -376,14 +423,24 @@ impl Engine {
         }
     }
 
-    fn retain(&mut self, wanted: &[Tile]) {
+    fn keep(&mut self, shown: &[Tile], staying: &[Tile]) {
         match self {
-            Self::Atlas(renderer) => renderer.tiles().retain(wanted),
-            Self::Twin(twin) => twin.tiles.retain(wanted),
+            Self::Atlas(renderer) => renderer.tiles().keep(shown, staying),
+            Self::Twin(twin) => twin.tiles.keep(shown, staying),
             // Every tile has its place in its level's texture, in use or not.
             #[cfg(not(target_arch = "wasm32"))]
             Self::Textures(_) => {}
             Self::Nothing => {}
+        }
+    }
+
+    fn show(&mut self, tile: Tile) -> bool {
+        match self {
+            Self::Atlas(renderer) => renderer.tiles().show(tile),
+            Self::Twin(twin) => twin.tiles.show(tile),
+            #[cfg(not(target_arch = "wasm32"))]
+            Self::Textures(_) => true,
+            Self::Nothing => true,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Which tiles are on the GPU, and which of them may be shown together?
 
 use crate::gpu::buffers::{filled, written};
+use crate::idle::IdleUnits;
 use crate::params::TileParams;
 use crate::tiles::atlas::{Atlas, SlotPlace};
 use crate::tiles::atlas_shape::AtlasShape;
@@ -25,6 +26,10 @@ pub struct TileStore {
     resident: HashMap<Tile, Resident>,
     base_frames: Vec<Option<u32>>,
     free: Vec<SlotPlace>,
+    /// Those that are there and not shown.
+    idle: IdleUnits<Tile>,
+    /// Those of frames that gave way and are not reported yet.
+    evicted: Vec<(Tile, u32)>,
     frame: u32,
     clock: u64,
     map_is_stale: bool,
@@ -38,6 +43,7 @@ struct Resident {
     slot: SlotPlace,
     frame: u32,
     touched: u64,
+    is_shown: bool,
 }
 
 /// What the shaders look up: the uniform, and what is shown over every cell.
@@ -64,6 +70,8 @@ impl TileStore {
             free: atlas.slots().collect(),
             atlas,
             resident: HashMap::new(),
+            idle: IdleUnits::default(),
+            evicted: Vec::new(),
             base_frames: vec![None; grid.tiles_in_level(grid.coarsest()) as usize],
             frame: 0,
             clock: 0,
@@ -102,22 +110,59 @@ impl TileStore {
                 slot,
                 frame,
                 touched,
+                is_shown: true,
             },
         );
+        self.idle.remove(tile);
         Ok(())
     }
 
     /// Evicts every tile that is not in `wanted`; the coarsest level always stays.
     pub fn retain(&mut self, wanted: &[Tile]) {
-        let wanted: HashSet<Tile> = wanted.iter().copied().collect();
+        self.keep(wanted, &[]);
+    }
+
+    /// Shows only these tiles and the coarsest level. Of the others those stay that are `staying`,
+    /// first what is to stay longest, until their slots are needed.
+    pub fn keep(&mut self, shown: &[Tile], staying: &[Tile]) {
+        let [shown, stay] = [shown, staying].map(|it| it.iter().copied().collect::<HashSet<_>>());
+        for (tile, resident) in &mut self.resident {
+            resident.is_shown &= shown.contains(tile);
+        }
+        self.map_is_stale = true;
+        let stays = |tile: &Tile| shown.contains(tile) || stay.contains(tile);
         let mut gone: Vec<Tile> = self.resident.keys().copied().collect();
-        gone.retain(|tile| !wanted.contains(tile));
+        gone.retain(|tile| !stays(tile));
         gone.sort_unstable();
         for tile in gone {
             if let Some(slot) = self.evict(tile) {
                 self.free.push(slot);
             }
         }
+        let is_idle = |tile: &&Tile| self.resident.get(*tile).is_some_and(|it| !it.is_shown);
+        self.idle
+            .set(staying.iter().filter(is_idle).copied().collect());
+    }
+
+    /// Shows a tile again that stayed; `false` where it did not.
+    pub fn show(&mut self, tile: Tile) -> bool {
+        let Some(resident) = self.resident.get_mut(&tile) else {
+            return false;
+        };
+        resident.is_shown = true;
+        self.idle.remove(tile);
+        self.map_is_stale = true;
+        true
+    }
+
+    /// These do not give way, until others are spared: they are about to be shown again.
+    pub fn spare(&mut self, tiles: &[Tile]) {
+        self.idle.spare(tiles);
+    }
+
+    /// Tiles of frames that stayed and gave way since this was last asked.
+    pub fn take_evicted(&mut self) -> Vec<(Tile, u32)> {
+        std::mem::take(&mut self.evicted)
     }
 
     /// The tiles in the atlas, in order.
@@ -146,7 +191,7 @@ impl TileStore {
         base + self
             .resident
             .values()
-            .filter(|r| r.frame != self.frame)
+            .filter(|r| r.is_shown && r.frame != self.frame)
             .count()
     }
 
@@ -188,7 +233,8 @@ impl TileStore {
 
     /// What the shaders look up at a cell: the level, and where the atlas holds its tile.
     fn shown_map(&self) -> Vec<u32> {
-        let now = self.resident.iter().filter(|(_, r)| r.frame == self.frame);
+        let is_now = |r: &Resident| r.is_shown && r.frame == self.frame;
+        let now = self.resident.iter().filter(|(_, r)| is_now(r));
         let entry =
             |[column, row, layer]: SlotPlace| (column | row << 8 | layer << 16) << LEVEL_BITS;
         let entries = now.map(|(&tile, r)| (tile, u32::from(tile.level) | entry(r.slot)));
@@ -215,6 +261,14 @@ impl TileStore {
     fn slot_for(&mut self, tile: Tile) -> SlotPlace {
         if let Some(resident) = self.resident.get(&tile) {
             return resident.slot;
+        }
+        if self.free.is_empty()
+            && let Some(idle) = self.idle.give_way()
+        {
+            let frame = self.resident.get(&idle).map(|it| it.frame);
+            self.evicted.extend(frame.map(|frame| (idle, frame)));
+            let slot = self.evict(idle);
+            self.free.extend(slot);
         }
         if self.free.is_empty() {
             self.free = self.atlas.grow(&self.gpu);

@@ -3,8 +3,9 @@
 use super::Seeded;
 use super::torus::object;
 use foveal_core::content::payload::PayloadView;
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes, PointUnit};
-use foveal_core::content::scene::description::{Cloud, SceneObject};
+use foveal_core::content::scene::description::{SceneObject, Shape};
 use foveal_core::pack::unit::UnitId;
 use foveal_render::Coming;
 
@@ -22,10 +23,9 @@ pub fn cloud() -> SceneObject {
         ..PointAttributes::default()
     };
     SceneObject {
-        leaf_triangles: 0,
         two_sided: true,
         unlit: true,
-        points: Some(Cloud {
+        shape: Shape::Cloud(Cloud {
             scale: [2.0 / 4096.0; 3],
             offset: [-1.0; 3],
             attributes,

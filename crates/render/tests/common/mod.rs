@@ -5,6 +5,7 @@ pub mod ball;
 pub mod levels;
 pub mod panels;
 pub mod plate;
+pub mod playing;
 pub mod torus;
 
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};

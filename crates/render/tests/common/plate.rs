@@ -7,7 +7,7 @@ use foveal_core::content::images::shape::{PagePlace, TextureShape};
 use foveal_core::content::images::wrap::Wrap;
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::payload::PayloadView;
-use foveal_core::content::scene::description::{Grid, SceneObject, SceneTexture, Texturing};
+use foveal_core::content::scene::description::{Grid, SceneObject, SceneTexture, Shape, Texturing};
 use foveal_core::pack::unit::UnitId;
 use foveal_render::Coming;
 use glam::DAffine3;
@@ -50,7 +50,9 @@ pub fn plates(count: u8) -> MeshUnit {
 pub fn object(textures: u16, times: f64) -> SceneObject {
     SceneObject {
         name: "plate".to_owned(),
-        leaf_triangles: 2 * u64::from(textures),
+        shape: Shape::Mesh {
+            leaf_triangles: 2 * u64::from(textures),
+        },
         bounds: Default::default(),
         grid: Grid {
             origin: [0.0; 3],
@@ -61,7 +63,6 @@ pub fn object(textures: u16, times: f64) -> SceneObject {
         colour: [1.0; 4],
         two_sided: false,
         unlit: true,
-        points: None,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
         texturing: Some(Texturing {
             textures: (0..textures).collect(),

@@ -3,7 +3,7 @@
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::payload::PayloadView;
-use foveal_core::content::scene::description::{Grid, SceneObject};
+use foveal_core::content::scene::description::{Grid, SceneObject, Shape};
 use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::Radians;
@@ -147,7 +147,9 @@ pub fn refinement(replaced: &[u8]) -> MeshUnit {
 pub fn object(attributes: Attributes) -> SceneObject {
     SceneObject {
         name: "torus".to_owned(),
-        leaf_triangles: 1024,
+        shape: Shape::Mesh {
+            leaf_triangles: 1024,
+        },
         bounds: Default::default(),
         grid: Grid {
             origin: [-HALF; 3],
@@ -160,7 +162,6 @@ pub fn object(attributes: Attributes) -> SceneObject {
         unlit: false,
         placements: vec![DAffine3::IDENTITY.to_cols_array()],
         texturing: None,
-        points: None,
     }
 }
 

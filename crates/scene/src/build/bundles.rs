@@ -292,7 +292,7 @@ mod tests {
     fn very_many_small_parts_have_few_roots_together_and_all_their_triangles_and_names() {
         let source = blocks(3000);
         let built = build(&source, &BuildOptions::default(), &|_, _| ()).unwrap();
-        let triangles: u64 = built.objects.iter().map(|it| it.leaf_triangles).sum();
+        let triangles: u64 = built.objects.iter().map(|it| it.shape.samples()).sum();
         assert_eq!(triangles, 3000 * 12);
         assert!(built.objects.len() < 70, "{}", built.objects.len());
         let roots = built.units.iter().filter(|it| it.row.needs.is_empty());

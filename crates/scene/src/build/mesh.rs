@@ -8,7 +8,7 @@ use super::textures::{MeshTexturing, ShownImages};
 use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex, NO_TEXTURE};
-use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject};
+use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject, Shape};
 use glam::{DVec2, DVec3};
 
 /// A mesh on the grid of its object.
@@ -64,7 +64,9 @@ pub(super) fn grid_mesh(
     let placements = object.placements.iter();
     let object = SceneObject {
         name: object.name.clone(),
-        leaf_triangles: triangles.len() as u64,
+        shape: Shape::Mesh {
+            leaf_triangles: triangles.len() as u64,
+        },
         bounds: bounds_of(&welder.vertices, &grid),
         grid,
         attributes: looks.attributes,
@@ -73,7 +75,6 @@ pub(super) fn grid_mesh(
         unlit: looks.unlit,
         placements: placements.map(glam::DAffine3::to_cols_array).collect(),
         texturing: looks.texturing.as_ref().map(|it| it.texturing.clone()),
-        points: None,
     };
     Ok(GridMesh {
         places_of_uv: places_of_uv(&object, &welder.vertices, &triangles),

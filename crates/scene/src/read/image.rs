@@ -93,8 +93,8 @@ pub(crate) fn size_of(bytes: &[u8]) -> Option<[u32; 2]> {
 
 /// The same, with what is wrong.
 pub(crate) fn measured(bytes: &[u8]) -> Result<[u32; 2], PictureFault> {
-    let told = told(bytes).ok_or_else(|| PictureFault::NotOne(other_format(bytes)))?;
-    let size = told.size;
+    let header = image_header(bytes).ok_or_else(|| PictureFault::NotOne(other_format(bytes)))?;
+    let size = header.size;
     let texels = u64::from(size[0]) * u64::from(size[1]);
     if !size.iter().all(|side| (1..=MOST_SIDE).contains(side)) || texels > MOST_TEXELS {
         return Err(PictureFault::Size(size));
@@ -104,7 +104,7 @@ pub(crate) fn measured(bytes: &[u8]) -> Result<[u32; 2], PictureFault> {
         return Err(PictureFault::Claims(size, file_bytes));
     }
     let most = MOST_WHOLE + MOST_WHOLE_A_BYTE * file_bytes;
-    match texels * told.whole_bytes_a_texel > most {
+    match texels * header.whole_bytes_a_texel > most {
         true => Err(PictureFault::Whole(size, most)),
         false => Ok(size),
     }
@@ -140,10 +140,10 @@ fn other_format(bytes: &[u8]) -> Option<&'static str> {
 
 /// Whether the header of a picture allows texels that are not opaque.
 pub(crate) fn may_have_alpha(bytes: &[u8]) -> bool {
-    let Some(told) = told(bytes).filter(|_| size_of(bytes).is_some()) else {
+    let Some(header) = image_header(bytes).filter(|_| size_of(bytes).is_some()) else {
         return false;
     };
-    match told.format {
+    match header.format {
         Format::Jpeg => false,
         Format::Png => png_decoder(bytes).read_info().is_ok_and(|it| {
             matches!(
@@ -169,7 +169,7 @@ pub(crate) fn damage(bytes: &[u8]) -> Option<&'static str> {
         return damage_of_png(&bytes[PNG.len()..]);
     }
     let is_clear = || catch_unwind(AssertUnwindSafe(|| tga::is_clear(bytes))).unwrap_or(false);
-    let is_tga = told(bytes).is_some_and(|it| it.format == Format::Tga);
+    let is_tga = image_header(bytes).is_some_and(|it| it.format == Format::Tga);
     (is_tga && is_clear()).then_some("has an alpha of 0 everywhere, and is shown opaque")
 }
 
@@ -209,24 +209,24 @@ enum Format {
 }
 
 /// What the head of a picture says.
-struct Told {
+struct ImageHeader {
     format: Format,
     size: [u32; 2],
     /// Bytes of a texel where all of them are in memory at once; 0 where they need not be.
     whole_bytes_a_texel: u64,
 }
 
-fn told(bytes: &[u8]) -> Option<Told> {
+fn image_header(bytes: &[u8]) -> Option<ImageHeader> {
     if bytes.starts_with(&PNG) {
         let reader = png_decoder(bytes).read_info().ok()?;
         let about = reader.info();
-        return Some(Told {
+        return Some(ImageHeader {
             format: Format::Png,
             size: [about.width, about.height],
             whole_bytes_a_texel: if about.interlaced { 4 } else { 0 },
         });
     }
-    let whole = |format, size, whole_bytes_a_texel| Told {
+    let whole = |format, size, whole_bytes_a_texel| ImageHeader {
         format,
         size,
         whole_bytes_a_texel,
@@ -245,7 +245,7 @@ fn told(bytes: &[u8]) -> Option<Told> {
     Some(whole(Format::Tga, size, BYTES_OF_TGA))
 }
 
-fn jpeg(bytes: &[u8]) -> Option<Told> {
+fn jpeg(bytes: &[u8]) -> Option<ImageHeader> {
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), jpeg_options());
     decoder.decode_headers().ok()?;
     let about = decoder.info()?;
@@ -254,7 +254,7 @@ fn jpeg(bytes: &[u8]) -> Option<Told> {
         true => 0,
         false => 2 * u64::from(about.components),
     };
-    Some(Told {
+    Some(ImageHeader {
         format: Format::Jpeg,
         size: [about.width, about.height].map(u32::from),
         whole_bytes_a_texel: 3 + coefficients,
@@ -302,7 +302,7 @@ impl<'a> PictureRows<'a> {
             let (raw, kind) = decoded.ok().flatten()?;
             Some(RowSource::Whole(raw, kind))
         };
-        let source = match told(bytes)?.format {
+        let source = match image_header(bytes)?.format {
             Format::Png => {
                 let mut reader = Box::new(png_decoder(bytes).read_info().ok()?);
                 match reader.info().interlaced {

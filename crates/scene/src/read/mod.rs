@@ -129,7 +129,7 @@ pub fn read_anything(format: SceneFormat, bytes: &[u8]) -> bool {
     let Ok(scene) = file.read(&mut Nowhere) else {
         return false;
     };
-    assert!(!(scene.objects.is_empty() && scene.clouds.is_empty()));
+    assert!(!scene.is_empty());
     scene.clouds.iter().for_each(sound::assert_sound_cloud);
     for mesh in &scene.meshes {
         sound::assert_sound(mesh, scene.materials.len());

@@ -34,18 +34,14 @@ pub(super) fn turn_up(scene: &mut SourceScene, up: Up) {
         return;
     }
     let world_from_file = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y));
-    let objects = scene.objects.iter_mut().map(|it| &mut it.placements);
-    let clouds = scene.clouds.iter_mut().map(|it| &mut it.placements);
-    for world_from_mesh in objects.chain(clouds).flatten() {
+    for world_from_mesh in scene.placements_mut().flatten() {
         *world_from_mesh = world_from_file * *world_from_mesh;
     }
 }
 
 /// Refuses a scene with more places than a pack can hold.
 pub(super) fn check_count(scene: &SourceScene) -> Result<(), Fault> {
-    let objects = scene.objects.iter().map(|it| it.placements.len());
-    let clouds = scene.clouds.iter().map(|it| it.placements.len());
-    match objects.chain(clouds).sum::<usize>() > MOST_PLACES {
+    match scene.placements().map(Vec::len).sum::<usize>() > MOST_PLACES {
         true => Err(too_many()),
         false => Ok(()),
     }
@@ -59,23 +55,7 @@ pub(super) fn too_many() -> Fault {
 
 /// Refuses a scene with a vertex that stands nowhere: beyond what numbers can say.
 pub(super) fn check(scene: &SourceScene) -> Result<(), Fault> {
-    let reach: Vec<DVec3> = scene
-        .meshes
-        .iter()
-        .map(|mesh| {
-            let all = mesh.positions.iter();
-            all.fold(DVec3::ZERO, |reach, position| reach.max(position.abs()))
-        })
-        .collect();
-    let objects = scene
-        .objects
-        .iter()
-        .map(|it| (&it.name, &it.placements, reach[it.mesh]));
-    let clouds = scene
-        .clouds
-        .iter()
-        .map(|it| (&it.name, &it.placements, it.reach()));
-    for (name, placements, reach) in objects.chain(clouds) {
+    for ((name, reach), placements) in scene.reaches().zip(scene.placements()) {
         let stands = |world_from_mesh: &DAffine3| {
             let axes = world_from_mesh.matrix3;
             let farthest =
@@ -110,28 +90,10 @@ pub(super) fn tell_small(scene: &mut SourceScene) {
 /// part that shows it.
 fn extent(scene: &SourceScene) -> [DVec3; 2] {
     let mut all = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-    let mut add = |place: DVec3| {
+    for place in scene.places() {
         all = [all[0].min(place), all[1].max(place)];
-        (all[1] - all[0]).max_element() < SMALLEST
-    };
-    for object in &scene.objects {
-        let positions = &scene.meshes[object.mesh].positions;
-        for world_from_mesh in &object.placements {
-            let mut places = positions
-                .iter()
-                .map(|it| world_from_mesh.transform_point3(*it));
-            if !places.all(&mut add) {
-                return all;
-            }
-        }
-    }
-    for cloud in &scene.clouds {
-        for world_from_cloud in &cloud.placements {
-            let places = 0..cloud.places.len();
-            let mut places = places.map(|it| world_from_cloud.transform_point3(cloud.at(it)));
-            if !places.all(&mut add) {
-                return all;
-            }
+        if (all[1] - all[0]).max_element() >= SMALLEST {
+            break;
         }
     }
     all

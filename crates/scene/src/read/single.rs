@@ -204,7 +204,7 @@ impl SceneFile<'_> {
             sound::count(&mut scene.repairs, "zero_area_triangles", triangles);
             scene.objects.clear();
         }
-        if scene.objects.is_empty() && scene.clouds.is_empty() {
+        if scene.is_empty() {
             return Err(Fault::Empty {
                 found: found_instead(&scene),
             });

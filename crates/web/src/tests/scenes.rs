@@ -1,42 +1,33 @@
 //! Does a page play a scene by ranges, and say what is wrong with one?
 
 use super::*;
-use crate::facts::{about, head_bytes, opening};
+use crate::facts::about;
+use crate::opening::PackKind;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::pack::{begin_scene, chunk_name, finish_scene};
 use foveal_core::content::scene::scripted::{scripted_scene, scripted_scene_file};
+use foveal_core::pack::{HEADER_BYTES, Header};
 use foveal_core::session::log_of_parts::SessionLog;
-
-/// What a page fetched before it opens a pack.
-fn beginning(file: &[u8]) -> (Vec<u8>, Vec<u8>) {
-    let head = file[..head_bytes(file).unwrap() as usize].to_vec();
-    let rest = opening(&head).unwrap();
-    let stretches = rest.chunks_exact(2);
-    let rest = stretches.map(|it| &file[it[0] as usize..(it[0] + it[1]) as usize]);
-    let rest = rest.collect::<Vec<_>>().concat();
-    (head, rest)
-}
 
 fn open(file: &[u8], policy: &str) -> Result<PagePlayer, String> {
     let text = format!(
         r#"{{"name":"a","policy":"{policy}","size":[640,400],"screenSize":[1920,1080],"log":true}}"#
     );
-    let (head, rest) = beginning(file);
-    PagePlayer::new(&head, &rest, &Options::parse(&text).unwrap(), None)
+    let pack = open_pack(file).map_err(|error| error.to_string())?;
+    PagePlayer::new(&pack, &Options::parse(&text).unwrap(), None)
 }
 
 /// Answers everything that is asked for; returns how many units that were.
 fn answer(file: &[u8], player: &mut PagePlayer) -> usize {
-    let rows = rows(player);
-    for row in &rows {
-        assert_eq!(row.kind, Kind::Whole as u8);
-        let from = row.offset as usize;
-        let chunk = &file[from..from + row.bytes as usize];
-        if player.deliver_whole(row.number, chunk).is_err() {
-            player.deliver(row.number, 0, 0, None);
+    let needs = player.needs().to_vec();
+    for need in &needs {
+        let chunk = stretch(file, need);
+        if player.arrived(need.offset, chunk) == Ok(Arrival::Again) {
+            let told = player.arrived(need.offset, chunk).unwrap_err();
+            assert!(told.contains("CRC32C"), "{told}");
         }
     }
-    rows.len()
+    needs.len()
 }
 
 /// Steps and answers until nothing is missing; how many units came.
@@ -83,16 +74,17 @@ fn a_page_shows_a_scene_whose_objects_lie_in_a_table() {
     let [plain, of_table] = &mut players;
     assert_eq!(play(&file, plain, 0.0), play(&tabled, of_table, 0.0));
     assert_eq!(
-        plain.session.figures.histogram,
-        of_table.session.figures.histogram
+        plain.play.session().figures().histogram,
+        of_table.play.session().figures().histogram
     );
-    let (head, mut rest) = beginning(&tabled);
-    let last = rest.len() - 1;
-    rest[last] ^= 1;
-    let text = r#"{"name":"a","policy":"viewport","size":[64,40],"screenSize":[64,40]}"#;
-    let options = Options::parse(text).unwrap();
-    let refused = PagePlayer::new(&head, &rest, &options, None).map(|_| ());
-    assert!(refused.unwrap_err().contains("objects"));
+    let PackKind::Scene(pack) = open_pack(&tabled).unwrap().kind else {
+        panic!("it is a scene");
+    };
+    let objects = pack.description().objects_table().unwrap().unwrap();
+    let mut damaged = tabled.clone();
+    damaged[objects.offset as usize] ^= 1;
+    let refused = open_pack(&damaged).map(|_| ()).unwrap_err();
+    assert!(refused.to_string().contains("objects"));
 }
 
 #[test]
@@ -100,18 +92,23 @@ fn a_scene_asks_for_its_roots_first_and_settles_on_what_is_seen() {
     let file = scripted_scene_file().unwrap();
     let mut player = open(&file, "viewport").unwrap();
     player.step(Seconds(0.0)).unwrap();
-    let first = rows(&player);
-    assert_eq!(first[..2].iter().map(|it| it.level).min(), Some(3), "roots");
+    let scene = scripted_scene().unwrap();
+    let level = |need: &Need| match need.part {
+        Part::Unit(unit) => scene.pack().level_of(unit),
+        _ => panic!("{need:?} is no unit"),
+    };
+    let first: Vec<u8> = player.needs().iter().map(level).collect();
+    assert_eq!(first[..2].iter().min(), Some(&3), "roots");
     let units = play(&file, &mut player, 0.0);
-    assert!(units > 2 && player.session.figures.damaged_units == 0);
-    let before = player.session.figures.histogram.clone();
+    assert!(units > 2 && player.play.session().figures().damaged_units == 0);
+    let before = player.play.session().figures().histogram.clone();
     player
         .viewer
         .navigation
         .zoom_by(3.0, [0.0; 2], &player.pane());
     play(&file, &mut player, 9.0);
-    assert!(rows(&player).is_empty());
-    let after = &player.session.figures.histogram;
+    assert!(player.needs().is_empty());
+    let after = &player.play.session().figures().histogram;
     assert!(after[0] > before[0], "{before:?} then {after:?}");
 }
 
@@ -139,18 +136,12 @@ fn a_key_that_is_held_flies_on_until_it_is_let_go() {
 #[test]
 fn a_damaged_unit_is_counted_and_the_coarser_one_stays() {
     let mut file = scripted_scene_file().unwrap();
-    let whole = open(&file, "viewport").unwrap();
-    let last = scripted_scene().unwrap().pack().units().last().unwrap();
-    let Opened::Scene(scene) = &whole.pack.content else {
-        panic!("it is a scene");
-    };
-    let entry = scene.pack().entry(last);
-    file[entry.offset as usize] ^= 1;
+    let scene = scripted_scene().unwrap();
+    let last = scene.pack().units().last().unwrap();
+    file[scene.pack().entry(last).offset as usize] ^= 1;
     let mut player = open(&file, "full").unwrap();
-    let refused = player.deliver_whole(last.0, &file[entry.offset as usize..][..4]);
-    assert!(refused.unwrap_err().contains("CRC32C"));
     play(&file, &mut player, 0.0);
-    assert_eq!(player.session.figures.damaged_units, 1);
+    assert_eq!(player.play.session().figures().damaged_units, 1);
 }
 
 #[test]
@@ -165,11 +156,7 @@ fn what_is_damaged_before_the_units_is_named() {
     for (place, named) in places {
         let mut bad = file.clone();
         bad[place] ^= 1;
-        let head = &bad[..head_bytes(&bad).unwrap() as usize];
-        let told = match opening(head) {
-            Ok(_) => open(&bad, "viewport").map(|_| ()).unwrap_err(),
-            Err(told) => told,
-        };
+        let told = open_pack(&bad).map(|_| ()).unwrap_err().to_string();
         assert!(told.contains(named), "byte {place}: {told}");
     }
 }
@@ -177,8 +164,8 @@ fn what_is_damaged_before_the_units_is_named() {
 #[test]
 fn only_the_policies_of_scenes_are_offered_and_taken() {
     let file = scripted_scene_file().unwrap();
-    let (head, _) = beginning(&file);
-    let facts: serde_json::Value = serde_json::from_str(&about(&head).unwrap()).unwrap();
+    let facts = about(&open_pack(&file).unwrap());
+    let facts: serde_json::Value = serde_json::from_str(&facts).unwrap();
     assert_eq!(facts["kind"], "scene");
     assert_eq!(facts["triangles"], 256);
     let offered: Vec<Policy> = serde_json::from_value(facts["policies"].clone()).unwrap();

@@ -35,9 +35,22 @@ fn host() -> Host {
     })
 }
 
-fn table(player: &PagePlayer, host: &Host) -> Vec<u8> {
-    let place = player.pack.table_place(SIGNATURES).unwrap();
-    host.file[place.start as usize..place.end as usize].to_vec()
+/// The need of the table that was asked for.
+fn table(player: &mut PagePlayer) -> Need {
+    let is_table = |need: &&Need| matches!(need.part, Part::Table(_));
+    let mut tables = player.needs().iter().filter(is_table);
+    let table = tables.next().unwrap().clone();
+    assert_eq!(table.part, Part::Table(SIGNATURES.to_owned()));
+    assert!(table.early && tables.next().is_none());
+    table
+}
+
+fn bring_table(host: &Host, player: &mut PagePlayer) {
+    assert!(player.awaits_tables());
+    let table = table(player);
+    let arrival = player.arrived(table.offset, stretch(&host.file, &table));
+    assert_eq!(arrival, Ok(Arrival::Taken));
+    assert!(!player.awaits_tables());
 }
 
 fn demo(host: &Host, policy: &str, more: &str) -> PagePlayer {
@@ -76,7 +89,12 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     let host = host();
     let mut player = demo(&host, "perceptual", "");
     let now = look(&host, &mut player, 0.0);
-    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(
+        player.play.session().figures().histogram[..2]
+            .iter()
+            .sum::<u32>()
+            > 0
+    );
     let before = stats(&player);
     assert_eq!(before["policy"], "perceptual");
     assert_eq!(before["target"], 9.5);
@@ -84,12 +102,11 @@ fn acuity_stands_in_until_the_signatures_are_there_and_the_log_replays() {
     assert!(!player.is_settled(), "the table is awaited");
     assert_eq!(logged(&player), [Policy::Acuity]);
 
-    let bytes = table(&player, &host);
-    player.add_table(SIGNATURES, bytes).unwrap();
+    bring_table(&host, &mut player);
     // What was shown is paid: there is no step back to the coarsest level.
     player.step(Seconds(now)).unwrap();
     let pack = video(&player).pack();
-    let wanted = player.session.wanted().unwrap().1;
+    let wanted = player.play.session().wanted().unwrap().1;
     let level = |piece: &Piece| pack.tile_of(piece.unit.unit).level;
     assert!(wanted.iter().any(|piece| level(piece) < 2));
     settle(&host, &mut player, now + 0.1);
@@ -103,8 +120,7 @@ fn acuity_keeps_a_score_with_signatures_and_without() {
     let host = host();
     let mut player = demo(&host, "acuity", r#","target":9"#);
     let now = look(&host, &mut player, 0.0);
-    let bytes = table(&player, &host);
-    player.add_table(SIGNATURES, bytes).unwrap();
+    bring_table(&host, &mut player);
     settle(&host, &mut player, now);
     let told = stats(&player);
     assert_eq!(told["target"], 9.0);
@@ -123,10 +139,42 @@ fn a_damaged_table_leaves_what_stands_in_and_it_settles() {
     let host = host();
     let mut player = demo(&host, "perceptual", "");
     look(&host, &mut player, 0.0);
-    let name = SIGNATURES.to_owned();
-    video(&player).fail_table(&name);
+    let table = table(&mut player);
+    let damaged = vec![0; table.bytes as usize];
+    let again = player.arrived(table.offset, &damaged);
+    assert_eq!(again, Ok(Arrival::Again));
+    let told = player.arrived(table.offset, &damaged).unwrap_err();
+    assert!(told.contains("side table signatures"), "{told}");
+    assert!(!player.awaits_tables() && !player.needs().contains(&table));
     settle(&host, &mut player, 9.0);
-    assert!(player.session.figures.histogram[..2].iter().sum::<u32>() > 0);
+    assert!(
+        player.play.session().figures().histogram[..2]
+            .iter()
+            .sum::<u32>()
+            > 0
+    );
+}
+
+#[test]
+fn tables_come_before_what_is_fetched_ahead_and_only_where_a_policy_chooses_by_them() {
+    let host = host();
+    let mut player = host.player_by("acuity", "");
+    look(&host, &mut player, 0.0);
+    player.viewer.begin(Seconds(2.0));
+    player.step(Seconds(2.0)).unwrap();
+    let table = table(&mut player);
+    let needs = player.needs();
+    let at = needs.iter().position(|need| *need == table).unwrap();
+    let (before, after) = (&needs[..at], &needs[at + 1..]);
+    assert!(before.iter().all(|need| !need.early));
+    assert!(!after.is_empty() && after.iter().all(|need| need.ahead.is_some()));
+    for (policy, more) in [("viewport", ""), ("coarsest", r#","poster":true"#)] {
+        let mut player = host.player_by(policy, more);
+        look(&host, &mut player, 0.0);
+        assert!(!player.awaits_tables());
+        let mut needs = player.needs().iter();
+        assert!(needs.all(|need| !matches!(need.part, Part::Table(_))));
+    }
 }
 
 #[test]

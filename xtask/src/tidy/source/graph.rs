@@ -1,8 +1,10 @@
-//! Which files of a crate import from which, and which of them lead back to themselves?
+//! Which files import from which, and which of them lead back to themselves?
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::modules::{Module, Modules};
+use super::typescript::imports;
+use crate::tidy::Tree;
 
 /// What each file imports from each other file.
 #[derive(Default)]
@@ -25,6 +27,25 @@ impl Graph {
                 graph.add_imports(modules, at, module);
                 for path in &module.scope.paths {
                     graph.add(modules, at, path, "");
+                }
+            }
+        }
+        graph
+    }
+
+    /// The imports of TypeScript in a folder, whose name ends with `/`; tests are left out.
+    pub(crate) fn of_typescript(tree: &Tree, folder: &str) -> Self {
+        let mut graph = Self::default();
+        for (from, file) in tree.files() {
+            let is_source = from.starts_with(folder) && from.ends_with(".ts");
+            let text = file.text.as_deref().filter(|_| is_source);
+            for (names, path) in text
+                .filter(|_| !from.ends_with(".test.ts"))
+                .map_or(Vec::new(), imports)
+            {
+                if let Some(to) = beside(from, &path).filter(|to| tree.has(to)) {
+                    let edges = graph.edges.entry(from.to_owned()).or_default();
+                    edges.entry(to).or_default().insert(names);
                 }
             }
         }
@@ -106,10 +127,24 @@ impl Graph {
     }
 }
 
+/// The file that a path like `../a/b.ts` leads to from another file; nothing of a package's name.
+fn beside(from: &str, path: &str) -> Option<String> {
+    let mut folder: Vec<&str> = from.split('/').collect();
+    folder.pop();
+    path.starts_with('.').then_some(())?;
+    for name in path.split('/') {
+        match name {
+            "." => {}
+            ".." => drop(folder.pop()?),
+            name => folder.push(name),
+        }
+    }
+    Some(folder.join("/"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tidy::Tree;
 
     /// `from -> to: names` of a crate whose files are given by their names under `src`.
     fn edges(files: &[(&str, &str)]) -> Vec<String> {
@@ -217,6 +252,28 @@ mod tests {
         ];
         let expected = ["a.rs -> a/b.rs: One, Two (handed on)", "a/b.rs -> a.rs: f"];
         assert_eq!(edges(&files), expected);
+    }
+
+    #[test]
+    fn typescript_imports_lead_to_files_of_its_folder_and_those_of_tests_do_not_count() {
+        let tree = Tree::of_texts(&[
+            (
+                "web/src/a.ts",
+                "import { x,\n  y as z } from \"./in/b.ts\";\nimport v from \"vite\";",
+            ),
+            ("web/src/in/b.ts", "export type { T } from \"../c.ts\";"),
+            ("web/src/c.ts", "// from \"./a.ts\"\nconst x = \"./a.ts\";"),
+            ("web/src/c.test.ts", "import { x } from \"./a.ts\";"),
+        ]);
+        let graph = Graph::of_typescript(&tree, "web/src/");
+        let edges = graph
+            .edges()
+            .map(|(from, to)| format!("{from} -> {to}: {}", graph.names(from, to)));
+        let expected = [
+            "web/src/a.ts -> web/src/in/b.ts: x, y, z",
+            "web/src/in/b.ts -> web/src/c.ts: T",
+        ];
+        assert_eq!(edges.collect::<Vec<_>>(), expected);
     }
 
     #[test]

@@ -39,9 +39,14 @@ pub(crate) fn crates_with_sources(tree: &Tree) -> BTreeSet<&str> {
 impl Modules {
     /// The modules of `crates/NAME`. Those called `tests` are left out.
     pub(crate) fn of_crate(tree: &Tree, name: &str) -> Self {
+        Self::of_sources(tree, &format!("crates/{name}/src"))
+    }
+
+    /// The same of a crate whose sources lie there.
+    pub(crate) fn of_sources(tree: &Tree, folder: &str) -> Self {
         let mut modules = Self::default();
         for root in ["lib", "main"] {
-            let file = format!("crates/{name}/src/{root}.rs");
+            let file = format!("{folder}/{root}.rs");
             modules.read(tree, &file, None);
         }
         modules

@@ -1,4 +1,4 @@
-//! Which characters of a TypeScript file are for people: comments, strings and templates?
+//! What does a TypeScript file say to people, and what does it import?
 
 /// What is being read.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -62,6 +62,34 @@ pub(crate) fn comments_and_texts(text: &str) -> String {
 fn begins_pattern(before: &[char]) -> bool {
     let last = before.iter().rev().find(|c| !c.is_whitespace());
     last.is_none_or(|c| "(,=:[!&|?{};".contains(*c))
+}
+
+/// What a file imports or hands on, at the beginning of lines and all at once: the names, and from
+/// where.
+pub(crate) fn imports(text: &str) -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let mut statement: Option<String> = None;
+    for line in text.lines() {
+        if line.starts_with("import ") || line.starts_with("export ") {
+            statement = Some(String::new());
+        }
+        let Some(begun) = &mut statement else {
+            continue;
+        };
+        *begun += line;
+        begun.push(' ');
+        let Some((names, path)) = begun.split_once("from \"") else {
+            statement = statement.filter(|_| !line.contains(['=', '(', ';']));
+            continue;
+        };
+        let is_name = |word: &&str| !["", "import", "export", "type", "as"].contains(word);
+        let words = names.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let names: Vec<&str> = words.filter(is_name).collect();
+        let path = path.split('"').next().unwrap_or_default();
+        found.push((names.join(", "), path.to_owned()));
+        statement = None;
+    }
+    found
 }
 
 #[cfg(test)]

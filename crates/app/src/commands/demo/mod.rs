@@ -13,7 +13,7 @@ mod sphere;
 mod subjects;
 mod video;
 
-use crate::commands::prepare::CalibrateName;
+use crate::commands::prepare::video::CalibrateName;
 use crate::options::policy::ViewOptions;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage};

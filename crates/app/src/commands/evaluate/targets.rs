@@ -24,9 +24,8 @@ use foveal_media::VideoInput;
 use foveal_media::generate::GeneratedScene;
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::prepare::{PrepareSettings, ProjectionChoice, prepare};
-use foveal_play::Decoding;
-use foveal_play::{Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::{FrameOptions, FramePlayer, PlayerOptions};
+use foveal_render::DrawDevice;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -250,7 +249,7 @@ struct Content<'a> {
 /// One policy that is judged.
 struct Trial {
     config: PolicyConfig,
-    player: Player,
+    player: FramePlayer,
     engine: Engine,
     loss: f64,
     share: f64,
@@ -258,26 +257,20 @@ struct Trial {
 }
 
 impl Content<'_> {
-    fn player(&self, config: PolicyConfig) -> anyhow::Result<Player> {
+    fn player(&self, config: PolicyConfig) -> anyhow::Result<FramePlayer> {
         let surface = self
             .file
             .pack()
             .description()
             .grid(self.view.screen)
             .surface;
-        let options = PlayerOptions {
-            config,
-            view: self.view.eye_view(&surface)?,
+        let player = PlayerOptions::new(config, self.drawing, output::say);
+        let options = FrameOptions {
             screen: self.view.screen,
-            drawing: self.drawing.clone(),
-            style: TileStyle::default(),
-            bytes_per_s: f64::INFINITY,
-            paced: false,
             judged: true,
-            tell: output::say,
-            decoding: Decoding::software(),
+            ..FrameOptions::new(player, self.view.eye_view(&surface)?)
         };
-        open_player(Arc::clone(&self.file), options)
+        open_player(&self.file, options)
     }
 
     /// All policies frame by frame, against every finest tile; the gaze rests ahead.
@@ -335,7 +328,7 @@ impl Content<'_> {
     }
 }
 
-fn picture(player: &mut Player) -> anyhow::Result<ScorePicture> {
+fn picture(player: &mut FramePlayer) -> anyhow::Result<ScorePicture> {
     let view = player.view();
     match player.drawer().picture(&view, None)? {
         Some(image) => from_image(&image),

@@ -10,13 +10,13 @@ use crate::run::source_frames::SourceFrames;
 use foveal_core::view::eye_view::EyeView;
 use foveal_eval::score::display::Display;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_play::Player;
+use foveal_play::FramePlayer;
 use std::path::Path;
 use std::sync::Arc;
 
 /// A pack that is played for a viewer, and what the same views show of its source.
 pub(super) struct PackOfSource {
-    player: Player,
+    player: FramePlayer,
     gaze: GazeSource,
     source: SourceFrames,
     view: EyeView,

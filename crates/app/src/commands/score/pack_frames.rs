@@ -14,11 +14,10 @@ use foveal_core::view::surface::Projection;
 use foveal_eval::score::ScorePicture;
 use foveal_eval::score::display::{Display, Photometry};
 use foveal_media::pack::pack_file::PackFile;
-use foveal_media::tiles::decoders::DecoderChoice;
-use foveal_play::Decoding;
-use foveal_play::Look;
-use foveal_play::{FrameReport, Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::WatchedFrame;
+use foveal_play::{Decoding, PlayerOptions};
+use foveal_play::{FrameOptions, FramePlayer, FrameReport};
+use foveal_render::DrawDevice;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -33,7 +32,7 @@ pub(super) struct Opening {
 
 /// A pack that is played for an eye that looks at a place of its view; the head keeps still.
 pub(super) struct PackFrames {
-    player: Player,
+    player: FramePlayer,
     view: EyeView,
     frames: u32,
     fps: f64,
@@ -91,7 +90,7 @@ impl PackFrames {
             head: None,
         };
         let head = HeadPose::default();
-        let look = Look {
+        let look = WatchedFrame {
             gaze,
             gaze_is_known: true,
             head,
@@ -113,27 +112,18 @@ pub(super) fn player_for(
     file: Arc<PackFile>,
     opening: &Opening,
     view: EyeView,
-) -> anyhow::Result<Player> {
-    let options = PlayerOptions {
-        config: opening.policy.config()?,
-        view,
+) -> anyhow::Result<FramePlayer> {
+    let player = PlayerOptions::new(opening.policy.config()?, &drawing()?, output::say);
+    let options = FrameOptions {
         screen: opening.view.screen,
-        drawing: drawing()?,
-        style: TileStyle::default(),
-        paced: false,
-        judged: false,
-        bytes_per_s: f64::INFINITY,
-        tell: output::say,
-        decoding: Decoding {
-            jobs: output::jobs(opening.jobs)?,
-            choice: DecoderChoice::Software,
-        },
+        decoding: Decoding::on(output::jobs(opening.jobs)?),
+        ..FrameOptions::new(player, view)
     };
-    open_player(file, options)
+    open_player(&file, options)
 }
 
 /// What a player shows in a view.
-pub(crate) fn picture_of(player: &mut Player, view: &EyeView) -> anyhow::Result<ScorePicture> {
+pub(crate) fn picture_of(player: &mut FramePlayer, view: &EyeView) -> anyhow::Result<ScorePicture> {
     match player.drawer().picture(view, None)? {
         Some(image) => from_image(&image),
         None => bail!("nothing draws the pictures to score; give --renderer gpu or cpu"),

@@ -6,10 +6,11 @@ use crate::commands::site::pack_names::ENDING;
 use crate::commands::site::poster::Poster;
 use crate::commands::site::site_pack::ListedKind;
 use foveal_core::content::scene::description::SceneDescription;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFile;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// `packs.json`.
 #[derive(Debug, Serialize)]
@@ -64,11 +65,13 @@ struct Shows {
     fps: Option<f64>,
     seconds: Option<f64>,
     sound: bool,
-    /// Of a scene at its finest, each where it stands.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    triangles: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    points: Option<u64>,
+    /// Of a scene at its finest, each where it stands: what they are called, and how many.
+    #[serde(flatten, serialize_with = "by_name")]
+    samples: Vec<(String, u64)>,
+}
+
+fn by_name<S: Serializer>(samples: &[(String, u64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(samples.iter().map(|(name, count)| (name, count)))
 }
 
 impl Shows {
@@ -91,8 +94,7 @@ impl Shows {
             fps: (!about.is_still()).then_some(about.fps()),
             seconds: seconds_of(file)?,
             sound: about.tables.iter().any(|table| table.name == "sound"),
-            triangles: None,
-            points: None,
+            samples: Vec::new(),
         })
     }
 
@@ -106,8 +108,9 @@ impl Shows {
             fps: None,
             seconds: None,
             sound: false,
-            triangles: Some(about.triangles()),
-            points: Some(about.points()),
+            samples: UnitKind::shapes()
+                .map(|kind| (kind.facts().samples(), about.samples_of(kind)))
+                .collect(),
         }
     }
 }

@@ -5,6 +5,7 @@
 
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::renderer::{RendererName, open_device};
+use crate::report::output;
 use crate::run::open_player::open_player;
 use anyhow::Context;
 use foveal_core::content::demand::{Content, Demand};
@@ -23,9 +24,8 @@ use foveal_core::view::route::EyePose;
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_media::pack::scene_file::SceneFile;
-use foveal_play::Decoding;
-use foveal_play::PlayerOptions;
-use foveal_render::{DrawDevice, Drawer, RgbaImage, TileStyle};
+use foveal_play::{FrameOptions, PlayerOptions};
+use foveal_render::{DrawDevice, Drawer, RgbaImage};
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -61,26 +61,15 @@ pub(super) fn of_video(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Res
     let about = file.pack().description();
     let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
     let view = view(&surface, Radians::from_degrees(about.front_deg));
-    let options = PlayerOptions {
-        config: PolicyConfig::new(Policy::Viewport),
-        view,
-        screen: Screen::default(),
-        drawing: drawing.clone(),
-        style: TileStyle::default(),
-        bytes_per_s: f64::INFINITY,
-        paced: false,
-        judged: false,
-        tell: crate::report::output::say,
-        decoding: Decoding::software(),
-    };
-    let mut player = open_player(file, options)?;
+    let config = PolicyConfig::new(Policy::Viewport);
+    let player = PlayerOptions::new(config, drawing, output::say);
+    let options = FrameOptions::new(player, view);
+    let mut player = open_player(&file, options)?;
     let ahead = GazeChoice::At([0.0, 0.0]);
     let until = player.time(frame);
     let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &ViewerModel::default())?;
-    {
-        let look = gaze.look(player.time(frame));
-        player.show(frame, &look)?
-    };
+    let look = gaze.look(player.time(frame));
+    player.show(frame, &look)?;
     let picture = player.drawer().picture(&view, None)?;
     encoded(&picture.context("nothing draws")?)
 }

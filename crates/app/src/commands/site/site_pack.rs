@@ -44,10 +44,10 @@ pub(super) enum ListedKind {
 
 impl ListedKind {
     pub(super) fn of(pack: &Pack) -> Self {
-        match pack {
-            Pack::Scene(_) => Self::Scene,
-            Pack::Video(file) if file.pack().description().is_still() => Self::Picture,
-            Pack::Video(_) => Self::Video,
+        match pack.video() {
+            Some(file) if file.pack().description().is_still() => Self::Picture,
+            Some(_) => Self::Video,
+            None => Self::Scene,
         }
     }
 }

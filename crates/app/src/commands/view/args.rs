@@ -1,7 +1,7 @@
 //! What can be asked of `foveal view`?
 
+use crate::commands::view::gaze_source::{WindowGaze, parse_window_gaze};
 use crate::commands::view::keys;
-use crate::commands::view::looking::{WindowGaze, parse_window_gaze};
 use crate::gaze_source::TrackerOptions;
 use crate::options::bytes::parse_memory;
 use crate::options::decoding::DecodingOptions;

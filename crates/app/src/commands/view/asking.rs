@@ -3,6 +3,7 @@
 use crate::commands::view::window_player::WindowPlayer;
 use foveal_core::content::asked::next_target;
 use foveal_core::content::policy::{Policy, PolicyConfig};
+use foveal_core::session::actions::SessionEvent;
 use foveal_core::units::Seconds;
 
 impl WindowPlayer {
@@ -15,6 +16,11 @@ impl WindowPlayer {
         let is_of_kind = self.live.opened().why_not(policy).is_none();
         let has_place = policy != Policy::Sampled || !self.has_panels();
         is_of_kind && has_place && self.live.session().can(&config)
+    }
+
+    fn choose_by(&mut self, config: PolicyConfig) {
+        let chosen = SessionEvent::PolicyChosen(Box::new(config));
+        self.live.session_mut().take(chosen);
     }
 
     /// Chooses by the next policy, or the one before, that the pack has the tables for.
@@ -32,7 +38,7 @@ impl WindowPlayer {
         };
         match self.policy.config_of(policy) {
             Ok(config) => {
-                self.live.session_mut().change_policy(config);
+                self.choose_by(config);
                 let mut style = self.live.style();
                 style.samples = policy == Policy::Sampled;
                 style.has_textures &= !style.samples;
@@ -46,11 +52,7 @@ impl WindowPlayer {
     /// Chooses for a higher score, or a lower one; policies that are gone to later do, too.
     pub(super) fn next_target(&mut self, by: i32, now: Seconds) {
         let policy = self.live.session().policy().policy;
-        let chooses_for_one = match self.in_scene() {
-            true => policy == Policy::Acuity,
-            false => policy.has_target(),
-        };
-        if !chooses_for_one {
+        if !(self.facts().scored)(policy) {
             return self.say(
                 format!("policy {} chooses for no score", policy.name()),
                 now,
@@ -61,7 +63,7 @@ impl WindowPlayer {
         match options.config_of(policy) {
             Ok(config) => {
                 self.policy = options;
-                self.live.session_mut().change_policy(config);
+                self.choose_by(config);
                 let said = target.map_or("no target score".to_owned(), |jod| {
                     format!("target score {jod}")
                 });

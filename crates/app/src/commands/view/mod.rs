@@ -3,9 +3,10 @@
 mod args;
 mod asking;
 mod draw_rate;
+mod gaze_source;
+
 mod keys;
 mod log_file;
-mod looking;
 mod ready;
 pub(crate) mod screen;
 mod script;

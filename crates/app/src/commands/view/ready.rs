@@ -13,10 +13,9 @@ use crate::report::output::{self, WrongUsage};
 use anyhow::{Context, bail};
 use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::Policy;
-use foveal_core::session::session::SessionSettings;
 use foveal_core::view::panel::rig::Panel;
 use foveal_media::pack::pack::Pack;
-use foveal_play::{Decoding, LiveOptions};
+use foveal_play::Decoding;
 
 /// What was read before a window opens: whatever is wrong is said without one.
 pub(super) struct Ready {
@@ -70,10 +69,10 @@ impl Ready {
                     .to_owned()
             ));
         }
-        let in_scene = opened.scene().is_some();
         let script = args.script.as_ref().map(|path| {
             let text = output::read_text(path, "a script")?;
-            Script::parse(&text, in_scene).with_context(|| format!("--script {}", path.display()))
+            let script = Script::parse(&text, opened.facts().is_entered);
+            script.with_context(|| format!("--script {}", path.display()))
         });
         let held = args.hold.map(|hold| Ok(Script::quitting_at(hold)));
         let ready = Self {
@@ -91,15 +90,6 @@ impl Ready {
         };
         ready.args.view.eye_view(&ready.surface())?;
         Ok(ready)
-    }
-
-    /// How the pack is played for a session with these settings.
-    pub(super) fn live_options(&self, session: SessionSettings) -> LiveOptions {
-        LiveOptions {
-            session,
-            decoding: self.decoding,
-            tell: output::say,
-        }
     }
 }
 

@@ -21,7 +21,7 @@ const MOST_LINES: usize = 100_000;
 
 /// One thing that happens.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Deed {
+pub(crate) enum ScriptStep {
     /// What a key does.
     Key(Action),
     /// A key that does something while it is held, held from now on, or let go.
@@ -58,7 +58,7 @@ pub(crate) enum PictureIs {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Script {
     /// In order of time, the next one last.
-    rest: Vec<(f64, Deed)>,
+    rest: Vec<(f64, ScriptStep)>,
     /// How long it waited so far.
     waited: f64,
     waiting_since: Option<f64>,
@@ -75,7 +75,7 @@ impl Script {
                 continue;
             }
             let here = || format!("line {}: \"{line}\"", number + 1);
-            let (at, deed) = parse_line(line, in_scene).with_context(here)?;
+            let (at, step) = parse_line(line, in_scene).with_context(here)?;
             if at < before {
                 bail!("{}: comes after {before} s; sort the lines by time", here());
             }
@@ -83,7 +83,7 @@ impl Script {
                 bail!("{}: more than {MOST_LINES} lines", here());
             }
             before = at;
-            rest.push((at, deed));
+            rest.push((at, step));
         }
         rest.reverse();
         Ok(Self {
@@ -95,20 +95,20 @@ impl Script {
     /// A script that closes the window after so long.
     pub(crate) fn quitting_at(time: Seconds) -> Self {
         Self {
-            rest: vec![(time.0, Deed::Quit)],
+            rest: vec![(time.0, ScriptStep::Quit)],
             ..Self::default()
         }
     }
 
     /// The next thing, if it is time for it; what needs the picture waits for it.
-    pub(crate) fn next(&mut self, now: Seconds, picture: PictureIs) -> Option<Deed> {
-        let (at, deed) = self.rest.last()?;
+    pub(crate) fn next(&mut self, now: Seconds, picture: PictureIs) -> Option<ScriptStep> {
+        let (at, step) = self.rest.last()?;
         if now.0 - self.waited < *at && self.waiting_since.is_none() {
             return None;
         }
-        let can_happen = match deed {
-            Deed::Settle => picture == PictureIs::Settled,
-            Deed::Screenshot(_) => picture != PictureIs::Missing,
+        let can_happen = match step {
+            ScriptStep::Settle => picture == PictureIs::Settled,
+            ScriptStep::Screenshot(_) => picture != PictureIs::Missing,
             _ => true,
         };
         if !can_happen {
@@ -118,7 +118,7 @@ impl Script {
         if let Some(since) = self.waiting_since.take() {
             self.waited += now.0 - since;
         }
-        self.rest.pop().map(|(_, deed)| deed)
+        self.rest.pop().map(|(_, step)| step)
     }
 
     /// When to ask again; `None` when nothing is left, or it waits for the picture.
@@ -130,7 +130,7 @@ impl Script {
     }
 }
 
-fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, Deed)> {
+fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, ScriptStep)> {
     let (at, rest) = line.split_once(char::is_whitespace).context(FORMS)?;
     let at: f64 = at.parse().ok().context(FORMS)?;
     if !(0.0..=1e7).contains(&at) {
@@ -144,41 +144,41 @@ fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, Deed)> {
         let (a, b) = given.split_once(char::is_whitespace)?;
         Some([number(a)?, number(b.trim())?])
     };
-    let nothing = |deed: Deed| given.is_empty().then_some(deed);
-    let deed = match what {
+    let nothing = |step: ScriptStep| given.is_empty().then_some(step);
+    let step = match what {
         "key" | "press" | "release" if given.is_empty() => None,
         "key" | "press" | "release" => Some(key_named(what, given, in_scene)?),
-        "move" => pair().map(Deed::Move),
-        "leave" => nothing(Deed::Leave),
-        "drag" => pair().map(Deed::Drag),
-        "wheel" => number(given).map(Deed::Wheel),
+        "move" => pair().map(ScriptStep::Move),
+        "leave" => nothing(ScriptStep::Leave),
+        "drag" => pair().map(ScriptStep::Drag),
+        "wheel" => number(given).map(ScriptStep::Wheel),
         "resize" => pair()
             .filter(|size| size.iter().all(|side| (0.0..=MOST_SIDE).contains(side)))
-            .map(|size| Deed::Resize(size.map(|side| side as u32))),
+            .map(|size| ScriptStep::Resize(size.map(|side| side as u32))),
         "screenshot" => screenshot_named(given)?,
-        "settle" => nothing(Deed::Settle),
-        "lose-device" => nothing(Deed::LoseDevice),
-        "quit" => nothing(Deed::Quit),
+        "settle" => nothing(ScriptStep::Settle),
+        "lose-device" => nothing(ScriptStep::LoseDevice),
+        "quit" => nothing(ScriptStep::Quit),
         _ => None,
     };
-    Ok((at, deed.with_context(|| format!("expected {FORMS}"))?))
+    Ok((at, step.with_context(|| format!("expected {FORMS}"))?))
 }
 
-fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<Deed> {
+fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<ScriptStep> {
     match (action_named(name, in_scene), what) {
         (None, _) => bail!("no key {name} does anything; `foveal view --help` lists all keys"),
         (Some(Action::Saccade), "key") => {
             bail!("key {name} does something while it is held; write \"press {name}\"")
         }
-        (Some(action), "key") => Ok(Deed::Key(action)),
+        (Some(action), "key") => Ok(ScriptStep::Key(action)),
         (Some(action @ (Action::Fly(_) | Action::Saccade)), _) => {
-            Ok(Deed::Hold(action, what == "press"))
+            Ok(ScriptStep::Hold(action, what == "press"))
         }
         _ => bail!("key {name} does all it does at once; write \"key {name}\""),
     }
 }
 
-fn screenshot_named(name: &str) -> anyhow::Result<Option<Deed>> {
+fn screenshot_named(name: &str) -> anyhow::Result<Option<ScriptStep>> {
     let path = PathBuf::from(name);
     let is_name = path.file_name().is_some_and(|only| only == name) && !name.contains('\\');
     if !name.is_empty() && !is_name {
@@ -188,7 +188,7 @@ fn screenshot_named(name: &str) -> anyhow::Result<Option<Deed>> {
     if ending.is_some_and(|ending| OTHER_PICTURES.iter().any(|other| ending == *other)) {
         bail!("a screenshot is a PNG file; give it the ending .png");
     }
-    Ok((!name.is_empty()).then_some(Deed::Screenshot(path)))
+    Ok((!name.is_empty()).then_some(ScriptStep::Screenshot(path)))
 }
 
 #[cfg(test)]
@@ -200,16 +200,19 @@ mod tests {
         let text = "# a demonstration\n0 key space\n\n0.5 settle\n0.5 screenshot a b.png\n1 quit";
         let mut script = Script::parse(text, false).unwrap();
         let mut next = |now: f64, picture| script.next(Seconds(now), picture);
-        let shot = Deed::Screenshot("a b.png".into());
-        assert!(matches!(next(0.0, PictureIs::Missing), Some(Deed::Key(_))));
+        let shot = ScriptStep::Screenshot("a b.png".into());
+        assert!(matches!(
+            next(0.0, PictureIs::Missing),
+            Some(ScriptStep::Key(_))
+        ));
         assert_eq!(next(0.4, PictureIs::Settled), None);
         assert_eq!(next(0.6, PictureIs::Missing), None);
         assert_eq!(next(9.0, PictureIs::There), None);
-        assert_eq!(next(9.6, PictureIs::Settled), Some(Deed::Settle));
+        assert_eq!(next(9.6, PictureIs::Settled), Some(ScriptStep::Settle));
         assert_eq!(next(9.6, PictureIs::Missing), None);
         assert_eq!(next(9.7, PictureIs::There), Some(shot));
         assert_eq!(next(9.9, PictureIs::Settled), None);
-        assert_eq!(next(10.3, PictureIs::Missing), Some(Deed::Quit));
+        assert_eq!(next(10.3, PictureIs::Missing), Some(ScriptStep::Quit));
         assert_eq!(script.due(), None);
     }
 
@@ -220,11 +223,11 @@ mod tests {
         let deeds = [(); 5].map(|()| script.next(Seconds(9.0), PictureIs::There));
         let ahead = Action::Fly([0.0, 0.0, 1.0]);
         let back = Action::Fly([0.0, 0.0, -1.0]);
-        assert_eq!(deeds[0], Some(Deed::Hold(ahead, true)));
-        assert_eq!(deeds[1], Some(Deed::Hold(ahead, false)));
-        assert_eq!(deeds[2], Some(Deed::Key(back)));
-        assert_eq!(deeds[3], Some(Deed::Key(Action::Screenshot)));
-        assert_eq!(deeds[4], Some(Deed::Hold(Action::Saccade, true)));
+        assert_eq!(deeds[0], Some(ScriptStep::Hold(ahead, true)));
+        assert_eq!(deeds[1], Some(ScriptStep::Hold(ahead, false)));
+        assert_eq!(deeds[2], Some(ScriptStep::Key(back)));
+        assert_eq!(deeds[3], Some(ScriptStep::Key(Action::Screenshot)));
+        assert_eq!(deeds[4], Some(ScriptStep::Hold(Action::Saccade, true)));
     }
 
     #[test]

@@ -29,14 +29,13 @@ pub(crate) struct Summary {
     sound_ms_p95: Option<f64>,
     /// Times that the sound device found too little to play.
     sound_gaps: u64,
-    /// Whether it was a scene, which has no frames in time.
     #[serde(skip)]
-    is_scene: bool,
+    has_tiles: bool,
 }
 
 impl Summary {
     pub(crate) fn new(player: &WindowPlayer) -> Self {
-        let figures = &player.live.session().figures;
+        let figures = player.live.session().figures();
         let drift = player.drift.worst_and_p95_ms();
         Self {
             frames: figures.frames,
@@ -56,13 +55,13 @@ impl Summary {
             sound_ms_max: drift.map(|[worst, _]| worst),
             sound_ms_p95: drift.map(|[_, p95]| p95),
             sound_gaps: player.sound_gaps(),
-            is_scene: player.in_scene(),
+            has_tiles: player.facts().has_tiles,
         }
     }
 
     /// For people.
     pub(crate) fn text(&self) -> String {
-        if self.is_scene {
+        if !self.has_tiles {
             return format!(
                 "{} on the GPU at the end, {}, {}",
                 output::size(self.gpu_bytes),

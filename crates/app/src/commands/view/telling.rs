@@ -14,14 +14,14 @@ impl WindowPlayer {
         let style = self.live.style();
         let does = |needs| match needs {
             Needs::Nothing => true,
-            Needs::Video => !self.in_scene(),
-            Needs::Scene => self.in_scene(),
+            Needs::Video => self.facts().has_tiles,
+            Needs::Scene => self.facts().is_entered,
             Needs::Frames => !self.live.session().timeline().is_still(),
             Needs::Heard => self.sound.is_some(),
             Needs::TwoEyes => self.two_eyes,
             Needs::Samples => style.samples,
-            Needs::Tiles => !self.in_scene() && !style.samples,
-            Needs::Atlas => !self.in_scene() && !style.samples && !style.has_textures,
+            Needs::Tiles => self.facts().has_tiles && !style.samples,
+            Needs::Atlas => self.facts().has_tiles && !style.samples && !style.has_textures,
         };
         let here = KEYS.iter().filter(|row| does(row.needs));
         let says = |says: &'static str| says.strip_prefix("scenes: ").unwrap_or(says);
@@ -41,9 +41,9 @@ impl WindowPlayer {
 
     /// The figures, for people.
     pub(super) fn lines(&self, now: Seconds) -> Vec<Line> {
-        match self.in_scene() {
-            true => self.lines_of_scene(now),
-            false => self.lines_of_video(now),
+        match self.facts().has_tiles {
+            true => self.lines_of_video(now),
+            false => self.lines_of_scene(now),
         }
     }
 
@@ -58,7 +58,7 @@ impl WindowPlayer {
 
     fn lines_of_scene(&self, now: Seconds) -> Vec<Line> {
         let session = self.live.session();
-        let (figures, config) = (&session.figures, session.policy_in_use());
+        let (figures, config) = (session.figures(), session.policy_in_use());
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let all = self.live.opened().content().finest_samples();
         let told = [
@@ -78,7 +78,7 @@ impl WindowPlayer {
             ("drawn triangles", self.live.triangles_drawn().to_string()),
             ("units by level", levels.join(" / ")),
             ("GPU memory", size(figures.gpu_bytes)),
-            ("fetched", size(self.live.fetched_bytes())),
+            ("fetched", size(figures.fetched_bytes)),
             ("damaged", counted(figures.damaged_units, "unit")),
         ];
         let told = told.map(|(what, value)| (what.to_owned(), value));
@@ -87,8 +87,8 @@ impl WindowPlayer {
     }
 
     fn lines_of_video(&self, now: Seconds) -> Vec<Line> {
-        let [fps, upload] = self.live.session().figures.rates(now);
-        let figures = &self.live.session().figures;
+        let [fps, upload] = self.live.session().figures().rates(now);
+        let figures = self.live.session().figures();
         let levels: Vec<String> = figures.histogram.iter().map(ToString::to_string).collect();
         let line = |what: &str, value: String| (what.to_owned(), value);
         let mut lines = vec![
@@ -175,7 +175,7 @@ impl WindowPlayer {
 
     /// What went wrong and was carried on from.
     fn carried_on(&self) -> [Line; 4] {
-        let figures = &self.live.session().figures;
+        let figures = self.live.session().figures();
         let line = |what: &str, value: String| (what.to_owned(), value);
         [
             line(

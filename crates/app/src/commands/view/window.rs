@@ -3,8 +3,8 @@
 mod input;
 pub(crate) mod panes;
 
+use crate::commands::view::gaze_source::WindowGazeSource;
 use crate::commands::view::log_file::LogFile;
-use crate::commands::view::looking::Looking;
 use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::{USUAL_SCREEN, open_sound, open_window};
 use crate::commands::view::screen::overlay;
@@ -12,13 +12,15 @@ use crate::commands::view::screen::{self, Placed, PlacedPicture, Showing, Window
 use crate::commands::view::script::PictureIs;
 use crate::commands::view::summary::Summary;
 use crate::commands::view::window::panes::PanePart;
-use crate::commands::view::window_player::{Begin, WindowPlayer, Wish};
+use crate::commands::view::window_player::{Begin, WindowPlayer, WindowRequest};
+use crate::report::output;
 use anyhow::{Context, anyhow, bail};
+use foveal_core::session::actions::SessionEvent;
 use foveal_core::session::session::SessionSettings;
 use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::navigation::Pane;
-use foveal_play::LivePlayer;
+use foveal_play::Player;
 use foveal_render::warp::PanelOptics;
 use foveal_render::{DrawDevice, RgbaImage};
 use std::sync::Arc;
@@ -124,7 +126,7 @@ impl ApplicationHandler<Wake> for App {
             return;
         };
         match open.event(event, now) {
-            Ok(Wish::Quit) => self.finish(event_loop),
+            Ok(WindowRequest::Quit) => self.finish(event_loop),
             Ok(_) => {}
             Err(error) => self.end(event_loop, Err(error)),
         }
@@ -138,7 +140,7 @@ impl ApplicationHandler<Wake> for App {
             return;
         };
         match open.go_on(now, &self.instance, &self.proxy) {
-            Ok(Wish::Quit) => return self.finish(event_loop),
+            Ok(WindowRequest::Quit) => return self.finish(event_loop),
             Ok(_) => {}
             Err(error) => return self.end(event_loop, Err(error)),
         }
@@ -195,16 +197,17 @@ impl Open {
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             since: Some(Seconds(0.0)),
             zooms: panes.is_none(),
-            measures: ready.in_scene(),
+            measures: ready.opened.facts().is_measured,
             bounds: ready.bounds(),
         };
         let length = ready.opened.content().timeline().length();
-        let looking = Looking::open(&args.gaze, &surface, args.seed, length, &ready.watching)?;
+        let gaze_source =
+            WindowGazeSource::open(&args.gaze, &surface, args.seed, length, &ready.watching)?;
         let begin = Begin {
             policy: args.policy.clone(),
             navigation: ready.navigation()?,
             log: args.log.as_deref().map(LogFile::create).transpose()?,
-            looking,
+            gaze_source,
             sound: ready.samples.take().and_then(|it| open_sound(it, length)),
             bytes_per_s: args.link.map(|link| link.bytes_per_s),
             once: args.once,
@@ -213,11 +216,11 @@ impl Open {
             two_eyes: surface.eyes > 1 && panes.is_none(),
             panes,
         };
-        let options = ready.live_options(settings);
-        let live = LivePlayer::new(
-            (ready.pack.clone(), ready.opened.clone()),
-            options,
+        let live = Player::live(
+            (&ready.pack, &ready.opened),
+            (settings, ready.decoding),
             drawer,
+            output::say,
             waker(proxy),
         )?;
         let now = Seconds(begun.elapsed().as_secs_f64());
@@ -268,7 +271,7 @@ impl Open {
         for (number, part) in parts.iter().enumerate() {
             self.follow(&part.view)?;
             let marks = self.player.marks(&part.view);
-            let drawer = self.player.live.drawer();
+            let drawer = self.player.live.drawer_mut();
             let image = drawer.picture(&part.view, marks.as_ref())?;
             let image = image.context("a window's pictures are drawn by a GPU")?;
             images.push(self.optics(pane).image(&device, number, image)?);
@@ -297,7 +300,7 @@ impl Open {
     /// Moves what follows the gaze in an eye's view.
     fn follow(&mut self, view: &EyeView) -> anyhow::Result<()> {
         match self.player.gaze() {
-            Some(gaze) => match self.player.live.drawer().tiles_mut() {
+            Some(gaze) => match self.player.live.drawer_mut().tiles_mut() {
                 Some(tiles) => Ok(tiles.follow(&gaze, view)?),
                 None => Ok(()),
             },
@@ -311,12 +314,14 @@ impl Open {
         now: Seconds,
         instance: &wgpu::Instance,
         proxy: &EventLoopProxy<Wake>,
-    ) -> anyhow::Result<Wish> {
+    ) -> anyhow::Result<WindowRequest> {
         self.screen.listen();
         if self.screen.is_lost() {
             self.recover(instance, proxy)?;
         }
-        self.player.live.session_mut().figures.gpu_errors += self.screen.take_errors();
+        let count = self.screen.take_errors();
+        let session = self.player.live.session_mut();
+        session.take(SessionEvent::GpuErrors { count });
         loop {
             if let Some(pane) = self.pane().filter(|_| !self.hidden)
                 && self.player.step(&pane, now)?
@@ -324,18 +329,18 @@ impl Open {
                 self.stale = true;
                 self.stepped = Some(now);
             }
-            let Some(deed) = self.ready.script.next(now, self.picture_is(now)) else {
+            let Some(step) = self.ready.script.next(now, self.picture_is(now)) else {
                 break;
             };
-            if self.perform(deed, now)? == Wish::Quit {
-                return Ok(Wish::Quit);
+            if self.perform(step, now)? == WindowRequest::Quit {
+                return Ok(WindowRequest::Quit);
             }
         }
         let waits = self.again.is_some_and(|again| now.0 < again);
         if self.stale && !waits && self.pane().is_some() && !self.hidden {
             self.window.request_redraw();
         }
-        Ok(Wish::Nothing)
+        Ok(WindowRequest::Nothing)
     }
 
     fn picture_is(&self, now: Seconds) -> PictureIs {
@@ -395,7 +400,7 @@ impl Open {
         for (number, part) in parts.iter().enumerate() {
             self.follow(&part.view)?;
             let marks = self.player.marks(&part.view);
-            let drawer = self.player.live.drawer();
+            let drawer = self.player.live.drawer_mut();
             let picture = drawer.draw(&part.view, marks.as_ref())?;
             let picture = picture.context("a window's pictures are drawn by a GPU")?;
             let mut picture = picture.clone();

@@ -3,9 +3,9 @@
 //! Everything of a window but the window: time comes in as an argument, wishes as actions.
 
 use crate::commands::view::draw_rate::DrawRate;
+use crate::commands::view::gaze_source::{SaccadeKey, WindowGazeSource};
 use crate::commands::view::log_file::LogFile;
-use crate::commands::view::looking::{Looking, SaccadeKey};
-use crate::commands::view::screen::overlay::Told;
+use crate::commands::view::screen::overlay::OverlayPage;
 use crate::commands::view::screen::words::{Page, Words};
 use crate::commands::view::sound::Sound;
 use crate::commands::view::sound::drift::Drift;
@@ -14,9 +14,11 @@ use crate::commands::view::window::panes::{PanePart, RigPanes};
 use crate::options::policy::PolicyOptions;
 use crate::options::showing::EyeName;
 use anyhow::bail;
+use foveal_core::content::opened::ContentFacts;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::Parameters;
+use foveal_core::session::actions::SessionEvent;
 use foveal_core::session::figures::MOST_DRAW_S;
 use foveal_core::session::viewer::{AtEnd, Heard, Viewer, ViewerSettings};
 use foveal_core::units::Seconds;
@@ -25,7 +27,7 @@ use foveal_core::view::keys::Action;
 use foveal_core::view::navigation::{Navigation, Pane, Shown};
 use foveal_core::view::panel::rig::Panel;
 use foveal_core::view::surface::Eye;
-use foveal_play::{LivePlayer, Stepped};
+use foveal_play::{Player, Stepped};
 use foveal_render::{Overlay, RenderError, TileStyle};
 use std::time::Duration;
 
@@ -41,7 +43,7 @@ pub(crate) struct Begin {
     pub(crate) policy: PolicyOptions,
     pub(crate) navigation: Navigation,
     pub(crate) log: Option<LogFile>,
-    pub(crate) looking: Looking,
+    pub(crate) gaze_source: WindowGazeSource,
     pub(crate) sound: Option<Sound>,
     /// What may be spent in a second; `None` without a limit.
     pub(crate) bytes_per_s: Option<f64>,
@@ -58,12 +60,12 @@ pub(crate) struct Begin {
 
 /// A pack that plays in a window, with what is heard and said there.
 pub(crate) struct WindowPlayer {
-    pub(crate) live: LivePlayer,
+    pub(crate) live: Player,
     pub(crate) viewer: Viewer,
     pub(super) policy: PolicyOptions,
     pub(super) bytes_per_s: Option<f64>,
     log: Option<LogFile>,
-    looking: Looking,
+    gaze_source: WindowGazeSource,
     pub(super) sound: Option<Sound>,
     /// Where the sound begins once the frame of that time is on screen, and since when it waits.
     preroll: Option<(Seconds, Seconds)>,
@@ -85,7 +87,7 @@ pub(crate) struct WindowPlayer {
 
 /// What only a window can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wish {
+pub(crate) enum WindowRequest {
     Nothing,
     FullScreen,
     Screenshot,
@@ -94,7 +96,7 @@ pub(crate) enum Wish {
 
 impl WindowPlayer {
     /// A pack that begins to play at `now`.
-    pub(crate) fn new(live: LivePlayer, begin: Begin, now: Seconds) -> Self {
+    pub(crate) fn new(live: Player, begin: Begin, now: Seconds) -> Self {
         let settings = ViewerSettings {
             plays: !begin.paused,
             at_end: match begin.once {
@@ -109,7 +111,7 @@ impl WindowPlayer {
             policy: begin.policy,
             bytes_per_s: begin.bytes_per_s,
             log: begin.log,
-            looking: begin.looking,
+            gaze_source: begin.gaze_source,
             sound: begin.sound,
             preroll: None,
             words: Words::default(),
@@ -126,7 +128,8 @@ impl WindowPlayer {
         };
         if let Some(panes) = &player.panes {
             let panels = panes.mounted().to_vec();
-            player.live.session_mut().show_on(panels);
+            let session = player.live.session_mut();
+            session.take(SessionEvent::Mounted(panels));
         }
         player.viewer.begin(now);
         if !begin.paused {
@@ -144,16 +147,16 @@ impl WindowPlayer {
         }
     }
 
-    /// Whether one flies through what is shown.
-    pub(crate) fn in_scene(&self) -> bool {
-        self.live.opened().scene().is_some()
+    /// What follows from what is shown.
+    pub(crate) fn facts(&self) -> &'static ContentFacts {
+        self.live.opened().facts()
     }
 
     /// Does what was asked for, or says what the window must do.
-    pub(crate) fn act(&mut self, action: Action, pane: &Pane, now: Seconds) -> Wish {
-        if let Some(why) = senseless_in_scenes(action).filter(|_| self.in_scene()) {
+    pub(crate) fn act(&mut self, action: Action, pane: &Pane, now: Seconds) -> WindowRequest {
+        if let Some(why) = senseless_in_scenes(action).filter(|_| self.facts().is_entered) {
             self.say(why.to_owned(), now);
-            return Wish::Nothing;
+            return WindowRequest::Nothing;
         }
         let navigation = &mut self.viewer.navigation;
         match action {
@@ -187,11 +190,11 @@ impl WindowPlayer {
             Action::Sound => self.toggle_sound(now),
             Action::Overlay => self.words.turn_the_page(),
             Action::Figures => self.words.toggle_figures(),
-            Action::Screenshot => return Wish::Screenshot,
-            Action::FullScreen => return Wish::FullScreen,
-            Action::Quit => return Wish::Quit,
+            Action::Screenshot => return WindowRequest::Screenshot,
+            Action::FullScreen => return WindowRequest::FullScreen,
+            Action::Quit => return WindowRequest::Quit,
         }
-        Wish::Nothing
+        WindowRequest::Nothing
     }
 
     /// Plays, pauses or goes elsewhere in time; the sound comes along.
@@ -215,7 +218,7 @@ impl WindowPlayer {
     }
 
     pub(super) fn take_style(&mut self, style: TileStyle, said: String, now: Seconds) {
-        let tiles = self.live.drawer().tiles_mut();
+        let tiles = self.live.drawer_mut().tiles_mut();
         match tiles.map_or(Ok(false), |tiles| tiles.restyle(style)) {
             Ok(true) => self.live.session_mut().fetch_anew(),
             Ok(false) => {}
@@ -244,7 +247,7 @@ impl WindowPlayer {
     fn mark_worth(&mut self, perception: &Parameters, now: Seconds) {
         let viewer = self.viewer.moment().filter(|_| self.importance);
         let viewer = viewer.map(|moment| (perception, moment));
-        let scene = self.live.drawer().scene_mut();
+        let scene = self.live.drawer_mut().scene_mut();
         let marked = scene.map_or(Ok(()), |scene| scene.mark_worth(viewer));
         self.importance_is_stale = matches!(marked, Err(RenderError::ReadBack(_)));
         if let Err(error) = marked.map_err(|error| error.to_string())
@@ -301,24 +304,26 @@ impl WindowPlayer {
         let moment = self.moment(pane, now);
         let config = self.live.session().policy_in_use().clone();
         let view = self.viewer.shown(pane).view;
-        let tiles = self.live.drawer().tiles_mut();
+        let tiles = self.live.drawer_mut().tiles_mut();
         if tiles.map_or(Ok(false), |tiles| tiles.prepare(&config, &view))? {
             self.live.session_mut().fetch_anew();
         }
         let step = self.viewer.now(self.live.session(), &moment, now);
-        let Stepped { mut changed, log } = self.live.step(&step)?;
-        self.viewer.set_morphing(self.live.is_morphing());
+        let Stepped {
+            mut changed, log, ..
+        } = self.live.step(&step)?;
+        self.viewer.set_morphing(self.live.drawer().is_morphing());
         if let Some(file) = self.log.as_mut().filter(|_| !log.is_empty()) {
             file.write(&log)?;
         }
         if self.live.session().is_hopeless() {
             bail!(
                 "{}: no frame has a whole coarsest level; `foveal verify` lists all damage",
-                self.live.pack().path().display()
+                self.live.opened().content().name()
             );
         }
         let style = self.live.style();
-        let marks_gaze = self.levels && !self.in_scene() || self.importance;
+        let marks_gaze = self.levels && self.facts().has_tiles || self.importance;
         let drawn_by_gaze = marks_gaze || style.samples || style.blurs;
         changed |= self.viewer.stepped(moment, pane, drawn_by_gaze);
         if changed || self.importance_is_stale {
@@ -383,7 +388,9 @@ impl WindowPlayer {
     fn moment(&mut self, pane: &Pane, now: Seconds) -> Moment {
         let perception = &self.live.session().policy_in_use().perception;
         let (viewer, panes) = (&mut self.viewer, self.panes.as_ref());
-        let moment = self.looking.moment(now, viewer, (pane, panes), perception);
+        let moment = self
+            .gaze_source
+            .moment(now, viewer, (pane, panes), perception);
         Moment {
             behind_sound: self.drift.last(),
             state: self.saccade.state(now, perception).unwrap_or(moment.state),
@@ -418,7 +425,7 @@ impl WindowPlayer {
     /// When to step again though nothing happens, by the window's clock.
     pub(crate) fn next_step(&self, now: Seconds) -> Option<Seconds> {
         let changes = self.viewer.next_step(self.live.session(), now);
-        let looks = self.looking.moves().then_some(now.0 + LOOK_S);
+        let looks = self.gaze_source.moves().then_some(now.0 + LOOK_S);
         let times = changes.map(|at| at.0).into_iter().chain(looks);
         let times = times.chain(self.words.due(now, self.is_moving()));
         let perception = &self.live.session().policy_in_use().perception;
@@ -492,12 +499,12 @@ impl WindowPlayer {
     }
 
     /// What is written over the picture: the page of the overlay that is open, and a message.
-    pub(crate) fn words(&mut self, now: Seconds) -> (Option<Told>, Option<String>) {
+    pub(crate) fn words(&mut self, now: Seconds) -> (Option<OverlayPage>, Option<String>) {
         let (page, message) = self.words.paint(now);
         let told = match page {
             Page::Nothing => None,
-            Page::Keys => Some(Told::Keys(self.keys())),
-            Page::Figures => Some(Told::Figures(self.lines(now))),
+            Page::Keys => Some(OverlayPage::Keys(self.keys())),
+            Page::Figures => Some(OverlayPage::Figures(self.lines(now))),
         };
         (told, message)
     }

@@ -8,7 +8,7 @@ use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_media::pack::pack_file::PackFile;
-use foveal_play::Look;
+use foveal_play::WatchedFrame;
 use std::ops::Range;
 
 /// Frames that are judged in a row: the judge sees motion, one frame has none.
@@ -91,13 +91,13 @@ impl Density {
 
 impl Glimpse {
     /// How the viewer is at a time.
-    pub(super) fn look(&self, time: Seconds) -> Look {
+    pub(super) fn look(&self, time: Seconds) -> WatchedFrame {
         let gaze = GazeSample {
             time,
             received: time,
             ..self.direction
         };
-        Look::known(gaze, self.head)
+        WatchedFrame::known(gaze, self.head)
     }
 }
 

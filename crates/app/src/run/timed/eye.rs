@@ -9,7 +9,7 @@ use foveal_core::gaze::tracker::Prediction;
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::random::Random;
 use foveal_core::view::surface::{Projection, Surface};
-use foveal_play::Look;
+use foveal_play::WatchedFrame;
 use glam::DVec3;
 
 /// Frames from one saccade to the next: 300 ms of media of 30 frames a second.
@@ -38,7 +38,7 @@ impl JumpingEye {
     }
 
     /// The viewer of the next frame, which is shown at `time`.
-    pub(crate) fn next(&mut self, time: Seconds) -> Look {
+    pub(crate) fn next(&mut self, time: Seconds) -> WatchedFrame {
         if self.frames.is_multiple_of(DWELL) {
             self.at = self.anywhere();
         }
@@ -55,7 +55,7 @@ impl JumpingEye {
             spread: Radians::from_degrees(SPREAD_DEG),
             head: Some(head),
         };
-        Look {
+        WatchedFrame {
             gaze,
             gaze_is_known: true,
             head,

@@ -7,6 +7,7 @@ pub(crate) use run::Run;
 
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel as Viewer};
+use crate::report::output;
 use crate::run::open_player::open_player;
 use eye::JumpingEye;
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -18,7 +19,7 @@ use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_eval::score::{Mode, Viewing};
 use foveal_media::pack::pack_file::PackFile;
 use foveal_play::Decoding;
-use foveal_play::{Player, PlayerOptions};
+use foveal_play::{FrameOptions, FramePlayer, PlayerOptions};
 use foveal_render::{DrawDevice, Interpolation, TileStyle};
 use std::sync::Arc;
 
@@ -65,28 +66,25 @@ impl Way {
 }
 
 impl Conditions<'_> {
-    fn player(&self, way: &Way, paced: bool) -> anyhow::Result<Player> {
+    fn player(&self, way: &Way, paced: bool) -> anyhow::Result<FramePlayer> {
         let surface = self.file.pack().description().grid(self.screen).surface;
-        let options = PlayerOptions {
-            config: way.config.clone(),
-            // A mask of samples is as large as the picture that it is drawn into.
-            view: match way.config.policy {
-                Policy::Sampled => self.drawn(),
-                _ => display(&surface),
-            },
+        // A mask of samples is as large as the picture that it is drawn into.
+        let view = match way.config.policy {
+            Policy::Sampled => self.drawn(),
+            _ => display(&surface),
+        };
+        let player = PlayerOptions::new(way.config.clone(), self.drawing, output::say);
+        let options = FrameOptions {
             screen: self.screen,
-            drawing: self.drawing.clone(),
             style: TileStyle {
                 interpolation: way.interpolation,
                 ..TileStyle::default()
             },
-            bytes_per_s: f64::INFINITY,
             paced,
-            judged: false,
-            tell: crate::report::output::say,
             decoding: self.decoding,
+            ..FrameOptions::new(player, view)
         };
-        open_player(Arc::clone(&self.file), options)
+        open_player(&self.file, options)
     }
 
     /// The density that the pack's calibration is looked up at.

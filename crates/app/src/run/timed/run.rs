@@ -6,7 +6,7 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
 use foveal_core::view::eye_view::EyeView;
 use foveal_media::tiles::decoders::DeviceUse;
-use foveal_play::{FrameReport, Player};
+use foveal_play::{FramePlayer, FrameReport};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
@@ -19,7 +19,7 @@ const RIM: u32 = 12;
 
 /// A player, its viewer, and what its frames took.
 pub(crate) struct Run {
-    player: Player,
+    player: FramePlayer,
     eye: JumpingEye,
     /// What the picture is drawn for, which may be smaller than what levels are chosen for.
     drawn: EyeView,
@@ -44,7 +44,7 @@ pub(crate) struct Run {
 
 impl Run {
     pub(crate) fn new(
-        player: Player,
+        player: FramePlayer,
         eye: JumpingEye,
         drawn: EyeView,
         frames_of_pack: u32,

@@ -79,12 +79,17 @@ impl MeshCut {
         says: &MeshUnit,
     ) -> Result<&PlacedUnit, PackError> {
         let placed = self.place(unit, needs, says)?;
+        Ok(self.put_back(unit, placed))
+    }
+
+    /// Adds what [`Self::remove`] took away, while all that it needs is there.
+    pub fn put_back(&mut self, unit: UnitId, placed: PlacedUnit) -> &PlacedUnit {
         for (need, cluster) in &placed.replaces {
             if let Some(need) = self.units.get_mut(need) {
                 need.clusters[usize::from(*cluster)].refined_by = Some(unit);
             }
         }
-        Ok(self.units.entry(unit).insert_entry(placed).into_mut())
+        self.units.entry(unit).insert_entry(placed).into_mut()
     }
 
     fn place(
@@ -148,14 +153,15 @@ impl MeshCut {
     }
 
     /// Takes a unit away, which no other that is there needs; what it replaced is drawn again.
-    pub fn remove(&mut self, unit: UnitId) {
+    pub fn remove(&mut self, unit: UnitId) -> Option<PlacedUnit> {
         self.moving.remove(&unit);
-        let removed = self.units.remove(&unit);
-        for (need, cluster) in removed.into_iter().flat_map(|it| it.replaces) {
-            if let Some(need) = self.units.get_mut(&need) {
-                need.clusters[usize::from(cluster)].refined_by = None;
+        let removed = self.units.remove(&unit)?;
+        for (need, cluster) in &removed.replaces {
+            if let Some(need) = self.units.get_mut(need) {
+                need.clusters[usize::from(*cluster)].refined_by = None;
             }
         }
+        Some(removed)
     }
 
     /// A unit that is there.

@@ -82,6 +82,18 @@ impl Attributes {
 }
 
 impl MeshUnit {
+    /// Whether all vertices have textures of an object that has so many: a reader looks them up.
+    pub(crate) fn check_textures(&self, count: usize) -> Result<(), PackError> {
+        let is_known = |it: &u8| *it == NO_TEXTURE || usize::from(*it) < count;
+        match self.vertices.iter().find(|it| !is_known(&it.texture)) {
+            None => Ok(()),
+            Some(vertex) => {
+                let expected = format!("fewer than {count}");
+                Err(PackError::new("texture", vertex.texture, expected))
+            }
+        }
+    }
+
     /// The unit as bytes, of an object whose vertices have these attributes.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 
 use super::cloud_point::wrong;
 use super::payload::{CloudPoint, Correction, PointUnit, octant_of};
-use crate::content::scene::description::Cloud;
+use crate::content::points::cloud::Cloud;
 use crate::pack::PackError;
 use crate::pack::unit::UnitId;
 use std::collections::{BTreeMap, HashSet};
@@ -184,18 +184,34 @@ impl PointCut {
         Ok(())
     }
 
-    /// Takes a unit away that no other needs: what it refined has its mean colours again. Returns
-    /// the unit that it refined.
-    pub fn remove(&mut self, unit: UnitId) -> Option<UnitId> {
+    /// Takes a unit away that no other needs: what it refined has its mean colours again.
+    pub fn remove(&mut self, unit: UnitId) -> Option<PlacedPoints> {
         let removed = self.units.remove(&unit)?;
-        let (parent, octant) = removed.refines?;
-        let there = self.units.get_mut(&parent)?;
-        there.refined_by[usize::from(octant)] = None;
-        for (colour, by) in there.colours_in(octant).zip(&removed.corrections) {
+        self.recolour(&removed, None, -1);
+        Some(removed)
+    }
+
+    /// Adds what [`Self::remove`] took away, while what it refines is there.
+    pub fn put_back(&mut self, unit: UnitId, placed: PlacedPoints) {
+        self.recolour(&placed, Some(unit), 1);
+        self.units.insert(unit, placed);
+    }
+
+    /// Adds the corrections of a unit so many times to what it refines, and records which unit does
+    /// that.
+    fn recolour(&mut self, placed: &PlacedPoints, by: Option<UnitId>, times: i64) {
+        let there = placed.refines.and_then(|(parent, octant)| {
+            let there = self.units.get_mut(&parent)?;
+            Some((there, octant))
+        });
+        let Some((there, octant)) = there else {
+            return;
+        };
+        there.refined_by[usize::from(octant)] = by;
+        for (colour, by) in there.colours_in(octant).zip(&placed.corrections) {
             // What was added can be taken away.
-            *colour = corrected(*colour, *by, -1).unwrap_or(*colour);
+            *colour = corrected(*colour, *by, times).unwrap_or(*colour);
         }
-        Some(parent)
     }
 
     /// A unit that is there.
@@ -312,8 +328,11 @@ mod tests {
         let reds = root.points.iter().map(|it| it.colour[0]);
         assert_eq!(reds.collect::<Vec<_>>(), [100, 50]);
         assert_eq!(root.refined_by[5], Some(UnitId(3)));
-        assert_eq!(cut.remove(UnitId(3)), Some(UnitId(0)));
-        assert_eq!(cut, before);
+        let with = cut.clone();
+        let removed = cut.remove(UnitId(3)).unwrap();
+        assert_eq!((removed.parent(), &cut), (Some(UnitId(0)), &before));
+        cut.put_back(UnitId(3), removed);
+        assert_eq!(cut, with);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Point clouds: points in units, each of which adds points to a cube of space.
 
+pub mod cloud;
 mod cloud_point;
 mod curve;
 pub mod cut;

@@ -4,9 +4,11 @@ use super::Scene;
 use super::demand::SceneDemand;
 use crate::content::demand::{Content, Demand};
 use crate::content::head::ContentHead;
+use crate::content::payload::Payload;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
+use crate::pack::{PackError, UnitPlace};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -24,6 +26,14 @@ impl Content for Scene {
             gpu_bytes: row.gpu_bytes(),
             frames: 0..1,
         }
+    }
+
+    fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
+        self.pack().payload(unit, chunk)
+    }
+
+    fn place(&self, unit: UnitId) -> UnitPlace {
+        self.pack().index().place(unit)
     }
 
     fn needs(&self, unit: UnitId) -> &[UnitId] {

@@ -11,7 +11,7 @@ use crate::content::policy::{Policy, PolicyConfig};
 use crate::pack::sha256_hex;
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
-use crate::perception::footprints::Footprints;
+use crate::perception::footprints::Measured;
 use crate::perception::moment::Moment;
 use crate::units::Radians;
 use error_bounds::{ErrorBounds, RoughError, is_above_one};
@@ -69,7 +69,7 @@ impl SceneDemand {
             roots: scene.base(0).len() as u32,
             held: vec![false; units],
             values: vec![0.0; units],
-            worth: SceneWorth::new(&scene, &config.perception, config.importance),
+            worth: SceneWorth::new(&scene, &config.perception),
             // The texture of units is unknown: acuity at a slope that keeps the score for any.
             config: match config.policy {
                 Policy::Acuity => config.without_signatures(),
@@ -250,8 +250,8 @@ impl Demand for SceneDemand {
         finer.map(needs).collect()
     }
 
-    fn see(&mut self, footprints: &Footprints) {
-        self.worth.see(footprints);
+    fn see(&mut self, measured: &Measured) {
+        self.worth.see(measured.clone());
     }
 
     fn begin(&mut self, _frame: u32, moment: &Moment, _budget: Option<u64>) {

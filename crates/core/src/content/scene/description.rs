@@ -3,7 +3,8 @@
 use crate::content::images::shape::MOST_SIDE;
 use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
-use crate::content::points::payload::PointAttributes;
+use crate::content::points::cloud::Cloud;
+use crate::content::scene::kind::UnitKind;
 use crate::content::scene::lighting::LAMP_DIRECTION;
 use crate::pack::{Identity, PackError, TableEntry};
 use glam::{DAffine3, DMat3, DVec3};
@@ -138,11 +139,12 @@ pub struct SceneSource {
 
 /// Something that stands in a scene, once or more often.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "ObjectFields", into = "ObjectFields")]
 pub struct SceneObject {
     /// Its name, for people.
     pub name: String,
-    /// Triangles at the finest level; of points none.
-    pub leaf_triangles: u64,
+    /// What it is made of.
+    pub shape: Shape,
     /// A small sphere round it, in its own space.
     pub bounds: ObjectBounds,
     /// The grid of its vertices.
@@ -158,95 +160,106 @@ pub struct SceneObject {
     pub unlit: bool,
     /// Where it stands: world from object, columns x, y, z and place; at least one.
     pub placements: Vec<[f64; 12]>,
-    /// The cloud of points that it is, where it is no mesh.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub points: Option<Cloud>,
     /// The textures of its vertices; there where they have any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub texturing: Option<Texturing>,
 }
 
-/// A cloud of points, on the grid of its file.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cloud {
-    /// Number of all points.
-    pub count: u64,
-    /// Length of a step along each axis, in the object's space.
-    pub scale: [f64; 3],
-    /// Where the file's coordinates are 0, in the object's space.
-    pub offset: [f64; 3],
-    /// The file's coordinates of the place [0, 0, 0].
-    pub least: [i64; 3],
-    /// What its points have.
-    pub attributes: PointAttributes,
-    /// Bits of a code of a colour: 8 or 16.
-    pub colour_bits: u8,
-    /// What a code of eight bits was multiplied by in the file.
-    pub colour_times: u16,
-    /// The intensity that is white; larger ones are too.
-    pub most_intensity: u16,
+/// What an object is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A mesh.
+    Mesh {
+        /// Triangles at the finest level.
+        leaf_triangles: u64,
+    },
+    /// A cloud of points.
+    Cloud(Cloud),
 }
 
-impl Default for Cloud {
-    fn default() -> Self {
+impl Shape {
+    /// The kind of its units.
+    #[must_use]
+    pub fn kind(&self) -> UnitKind {
+        match self {
+            Self::Mesh { .. } => UnitKind::Mesh,
+            Self::Cloud(_) => UnitKind::Points,
+        }
+    }
+
+    /// Samples at the finest level: triangles or points.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        match self {
+            Self::Mesh { leaf_triangles } => *leaf_triangles,
+            Self::Cloud(cloud) => cloud.count,
+        }
+    }
+
+    /// The cloud that it is; `None` where it is something else.
+    #[must_use]
+    pub fn cloud(&self) -> Option<&Cloud> {
+        match self {
+            Self::Mesh { .. } => None,
+            Self::Cloud(cloud) => Some(cloud),
+        }
+    }
+}
+
+/// An object as its JSON has it: with a field for what each shape has.
+#[derive(Serialize, Deserialize)]
+struct ObjectFields {
+    name: String,
+    leaf_triangles: u64,
+    bounds: ObjectBounds,
+    grid: Grid,
+    attributes: Attributes,
+    colour: [f32; 4],
+    two_sided: bool,
+    unlit: bool,
+    placements: Vec<[f64; 12]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    points: Option<Cloud>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    texturing: Option<Texturing>,
+}
+
+impl From<SceneObject> for ObjectFields {
+    fn from(object: SceneObject) -> Self {
+        let (leaf_triangles, points) = match object.shape {
+            Shape::Mesh { leaf_triangles } => (leaf_triangles, None),
+            Shape::Cloud(cloud) => (0, Some(cloud)),
+        };
         Self {
-            count: 0,
-            scale: [1.0; 3],
-            offset: [0.0; 3],
-            least: [0; 3],
-            attributes: PointAttributes::default(),
-            colour_bits: 8,
-            colour_times: 1,
-            most_intensity: 0,
+            name: object.name,
+            leaf_triangles,
+            bounds: object.bounds,
+            grid: object.grid,
+            attributes: object.attributes,
+            colour: object.colour,
+            two_sided: object.two_sided,
+            unlit: object.unlit,
+            placements: object.placements,
+            points,
+            texturing: object.texturing,
         }
     }
 }
 
-impl Cloud {
-    /// A place on its grid, in the object's space: as the file says by whole numbers.
-    #[must_use]
-    pub fn at(&self, place: [u32; 3]) -> DVec3 {
-        let along = |axis: usize| {
-            let steps = self.least[axis] + i64::from(place[axis]);
-            steps as f64 * self.scale[axis] + self.offset[axis]
-        };
-        DVec3::from_array([0, 1, 2].map(along))
-    }
-
-    /// A code of a colour as one of eight bits.
-    #[must_use]
-    pub fn shown_code(&self, code: u16) -> u8 {
-        match self.colour_bits {
-            8 => code.min(255) as u8,
-            _ => (code >> 8) as u8,
-        }
-    }
-
-    /// The grey of an intensity, as a code of a colour of this cloud.
-    pub(crate) fn grey_of(&self, intensity: u16) -> u16 {
-        let most = u32::from(self.most_intensity).max(1);
-        let white = if self.colour_bits == 8 { 255 } else { 65535 };
-        // The square root, about as a display encodes light.
-        let share = f64::from(intensity) / f64::from(most);
-        (libm::sqrt(share.min(1.0)) * f64::from(white)) as u16
-    }
-
-    fn check(&self) -> Result<(), PackError> {
-        let wrong = |field: &str, found: String, expected: &str| {
-            let field = format!("objects.points.{field}");
-            Err(PackError::new(&field, found, expected))
-        };
-        let is_step = |it: &f64| *it > 0.0 && *it <= 1e12;
-        if !(self.scale.iter().all(is_step) && self.offset.iter().all(|it| it.abs() <= 1e15)) {
-            let found = format!("{:?}, {:?}", self.scale, self.offset);
-            return wrong("scale, offset", found, "a finite grid");
-        }
-        if self.least.iter().any(|it| it.unsigned_abs() > 1 << 40) {
-            return wrong("least", format!("{:?}", self.least), "below 2^40");
-        }
-        match self.colour_bits {
-            8 | 16 => Ok(()),
-            bits => wrong("colour_bits", bits.to_string(), "8 or 16"),
+impl From<ObjectFields> for SceneObject {
+    fn from(fields: ObjectFields) -> Self {
+        let leaf_triangles = fields.leaf_triangles;
+        let mesh = Shape::Mesh { leaf_triangles };
+        Self {
+            name: fields.name,
+            shape: fields.points.map_or(mesh, Shape::Cloud),
+            bounds: fields.bounds,
+            grid: fields.grid,
+            attributes: fields.attributes,
+            colour: fields.colour,
+            two_sided: fields.two_sided,
+            unlit: fields.unlit,
+            placements: fields.placements,
+            texturing: fields.texturing,
         }
     }
 }
@@ -406,35 +419,33 @@ impl SceneDescription {
     /// Triangles, points and texels at the finest level, each once.
     #[must_use]
     pub fn finest_samples(&self) -> u64 {
+        let of_kinds = UnitKind::ALL.map(|kind| self.finest_samples_of(kind));
+        of_kinds.into_iter().fold(0, u64::saturating_add)
+    }
+
+    /// The same of one kind.
+    #[must_use]
+    pub fn finest_samples_of(&self, kind: UnitKind) -> u64 {
         let texels = |it: &SceneTexture| it.size.map(u64::from).iter().product::<u64>();
-        let texels = self.textures.iter().map(texels);
-        let objects = self.objects.iter();
+        let textures = self.textures.iter().filter(|_| kind == UnitKind::Image);
+        let objects = self.objects.iter().filter(|it| it.shape.kind() == kind);
+        let samples = objects.map(|it| it.shape.samples());
+        samples
+            .chain(textures.map(texels))
+            .fold(0, u64::saturating_add)
+    }
+
+    /// Samples of a kind of objects at the finest level, each as often as it stands there.
+    #[must_use]
+    pub fn samples_of(&self, kind: UnitKind) -> u64 {
+        let objects = self.objects.iter().filter(|it| it.shape.kind() == kind);
         objects
             .map(|it| {
-                it.leaf_triangles
-                    .saturating_add(it.points.map_or(0, |it| it.count))
+                it.shape
+                    .samples()
+                    .saturating_mul(it.placements.len() as u64)
             })
-            .chain(texels)
             .fold(0, u64::saturating_add)
-    }
-
-    /// Triangles at the finest level, each as often as it stands there.
-    #[must_use]
-    pub fn triangles(&self) -> u64 {
-        let objects = self.objects.iter();
-        objects
-            .map(|it| it.leaf_triangles.saturating_mul(it.placements.len() as u64))
-            .fold(0, u64::saturating_add)
-    }
-
-    /// Points at the finest level, each as often as it stands there.
-    #[must_use]
-    pub fn points(&self) -> u64 {
-        let clouds = self.objects.iter().filter_map(|it| {
-            let count = it.points.as_ref()?.count;
-            Some(count.saturating_mul(it.placements.len() as u64))
-        });
-        clouds.fold(0, u64::saturating_add)
     }
 
     pub(super) fn check(&self) -> Result<(), PackError> {
@@ -541,8 +552,8 @@ impl SceneObject {
         if !self.placements.iter().flatten().all(|it| is_finite(&it)) {
             return wrong("placements", "too large".to_owned(), "finite numbers");
         }
-        if let Some(points) = &self.points {
-            points.check()?;
+        if let Shape::Cloud(cloud) = &self.shape {
+            cloud.check()?;
         }
         if !self.colour.iter().all(|it| (0.0..=1.0).contains(it)) {
             return wrong("colour", format!("{:?}", self.colour), "0 to 1");
@@ -558,3 +569,6 @@ impl SceneObject {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,11 +4,12 @@
 //! `docs/formats/pack.md` is normative.
 
 use super::description::{
-    Cloud, Grid, MOST_OBJECTS, OBJECTS, ObjectBounds, SceneObject, SceneTexture, Texturing,
+    Grid, MOST_OBJECTS, OBJECTS, ObjectBounds, SceneObject, SceneTexture, Shape, Texturing,
 };
 use crate::content::bits::{push_varint, read_varint};
 use crate::content::images::wrap::Wrap;
 use crate::content::mesh::payload::Attributes;
+use crate::content::points::cloud::Cloud;
 use crate::content::points::payload::PointAttributes;
 use crate::pack::PackError;
 use std::collections::HashMap;
@@ -127,7 +128,7 @@ fn look_of(object: &SceneObject) -> Vec<u8> {
         (textured, TEXTURED),
         (object.two_sided, TWO_SIDED),
         (object.unlit, UNLIT),
-        (object.points.is_some(), POINTS),
+        (object.shape.cloud().is_some(), POINTS),
     ];
     let flags = flags.into_iter().filter(|it| it.0).map(|it| it.1).sum();
     let mut bytes = vec![flags, object.grid.bits];
@@ -141,7 +142,11 @@ fn write_object(
     bytes: &mut Vec<u8>,
 ) {
     push_varint(bytes, looks.number(look_of(object)));
-    bytes.extend(object.leaf_triangles.to_le_bytes());
+    let leaf_triangles = match object.shape {
+        Shape::Mesh { leaf_triangles } => leaf_triangles,
+        Shape::Cloud(_) => 0,
+    };
+    bytes.extend(leaf_triangles.to_le_bytes());
     let ObjectBounds {
         centre,
         radius,
@@ -158,7 +163,7 @@ fn write_object(
         doubles(&texturing.origin, bytes);
         doubles(&texturing.step, bytes);
     }
-    if let Some(cloud) = &object.points {
+    if let Shape::Cloud(cloud) = &object.shape {
         write_cloud(cloud, bytes);
     }
     push_varint(bytes, object.placements.len() as u32);
@@ -376,16 +381,16 @@ impl Rest<'_> {
         } else {
             None
         };
-        let points = if has(POINTS) {
-            Some(self.cloud()?)
+        let shape = if has(POINTS) {
+            Shape::Cloud(self.cloud()?)
         } else {
-            None
+            Shape::Mesh { leaf_triangles }
         };
         let count = self.varint()?;
         let placements = (0..count).map(|_| self.placement(turns));
         Some(SceneObject {
             name: String::new(),
-            leaf_triangles,
+            shape,
             bounds,
             grid,
             attributes: Attributes {
@@ -397,7 +402,6 @@ impl Rest<'_> {
             two_sided: has(TWO_SIDED),
             unlit: has(UNLIT),
             placements: placements.collect::<Option<_>>()?,
-            points,
             texturing,
         })
     }
@@ -480,7 +484,16 @@ mod tests {
         ];
         SceneObject {
             name: String::new(),
-            leaf_triangles: u64::from(number) << 33,
+            shape: match number {
+                3 => Shape::Cloud(Cloud {
+                    least: [-5, 1 << 33, 7],
+                    most_intensity: 900,
+                    ..Cloud::default()
+                }),
+                _ => Shape::Mesh {
+                    leaf_triangles: u64::from(number) << 33,
+                },
+            },
             bounds: ObjectBounds {
                 centre: [along, 1e7 + 0.1, -3.0],
                 radius: 0.5,
@@ -500,11 +513,6 @@ mod tests {
             two_sided: number.is_multiple_of(5),
             unlit: number.is_multiple_of(7),
             placements: places.iter().map(DAffine3::to_cols_array).collect(),
-            points: (number == 3).then(|| Cloud {
-                least: [-5, 1 << 33, 7],
-                most_intensity: 900,
-                ..Cloud::default()
-            }),
             texturing: (number == 4).then(|| Texturing {
                 textures: vec![1, 0],
                 origin: [0.1, -2.0],

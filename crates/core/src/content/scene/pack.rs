@@ -1,17 +1,14 @@
 //! Which units are in the pack of a scene, and where are their bytes?
 
-use super::description::{KIND, OBJECTS, SceneDescription, SceneObject};
+use super::description::{KIND, OBJECTS, SceneDescription};
 use super::kind::UnitKind;
 use super::object_table::{
     NAMES, NAMES_VERSION, OBJECTS_VERSION, read_objects, write_names, write_objects,
 };
 use super::unit_table::{OF_ALL, UNITS, UNITS_VERSION, UnitRow, read_units, write_units};
-use crate::content::images::payload::ImagePage;
 use crate::content::images::shape::TextureShape;
-use crate::content::mesh::payload::{MeshUnit, NO_TEXTURE};
 use crate::content::payload::Payload;
 use crate::content::points::cut::OCTANTS;
-use crate::content::points::payload::PointUnit;
 use crate::content::scene::part_ref::PartRef;
 use crate::pack::paged_table::PageDirectory;
 use crate::pack::unit::UnitId;
@@ -206,9 +203,8 @@ impl ScenePack {
     /// Whether a unit is of the kind of its object, and one of points refines an octant.
     fn check_kind(&self, row: &UnitRow) -> Result<(), PackError> {
         let object = self.description.objects.get(usize::from(row.object));
-        let is_cloud = object.is_some_and(|it| it.points.is_some());
         let is_points = row.kind == UnitKind::Points;
-        if is_cloud != is_points {
+        if object.is_some_and(|it| it.shape.kind() != row.kind.facts().objects) {
             let found = format!("{:?}", row.kind);
             return Err(PackError::new("kind", found, "the kind of its object"));
         }
@@ -230,10 +226,9 @@ impl ScenePack {
         let points = self.rows.iter().filter(|it| it.kind == UnitKind::Points);
         points.for_each(|it| counts[usize::from(it.object)] += u64::from(it.samples));
         for (object, count) in objects.iter().zip(counts) {
-            if object.points.is_some_and(|it| it.count != count) {
+            if let Some(cloud) = object.shape.cloud().filter(|it| it.count != count) {
                 let field = format!("table {UNITS}, points of {:?}", object.name);
-                let expected = object.points.map_or(0, |it| it.count);
-                return Err(PackError::new(&field, count, expected));
+                return Err(PackError::new(&field, count, cloud.count));
             }
         }
         Ok(())
@@ -318,23 +313,7 @@ impl ScenePack {
     /// # Panics
     /// There must be such a unit.
     pub fn payload(&self, unit: UnitId, chunk: &[u8]) -> Result<Payload, PackError> {
-        let row = self.row(unit);
-        let read = match row.kind {
-            UnitKind::Mesh => {
-                let object = &self.description.objects[usize::from(row.object)];
-                let read = MeshUnit::parse(chunk, object.attributes, &row.replaces);
-                let read = read.and_then(|unit| check_textures_of(&unit, object).map(|()| unit));
-                read.map(Payload::Mesh)
-            }
-            UnitKind::Points => {
-                let object = &self.description.objects[usize::from(row.object)];
-                let attributes = object.points.map(|it| it.attributes);
-                PointUnit::parse(chunk, attributes.unwrap_or_default()).map(Payload::Points)
-            }
-            UnitKind::Image => {
-                ImagePage::parse(chunk, &self.description.textures).map(Payload::Image)
-            }
-        };
+        let read = Payload::parse(self.row(unit), &self.description, chunk);
         read.map_err(|source| PackError {
             field: format!("unit {}: {}", unit.0, source.field),
             ..source
@@ -379,22 +358,6 @@ impl ScenePack {
     /// They do not.
     pub fn check_coverage(&self, header: &Header) -> Result<(), PackError> {
         self.index.check_coverage(header, &self.description.tables)
-    }
-}
-
-/// Whether all vertices have textures that their object has: a reader looks them up.
-fn check_textures_of(unit: &MeshUnit, object: &SceneObject) -> Result<(), PackError> {
-    let Some(texturing) = &object.texturing else {
-        return Ok(());
-    };
-    let count = texturing.textures.len();
-    let is_known = |it: &u8| *it == NO_TEXTURE || usize::from(*it) < count;
-    match unit.vertices.iter().find(|it| !is_known(&it.texture)) {
-        None => Ok(()),
-        Some(vertex) => {
-            let expected = format!("fewer than {count}");
-            Err(PackError::new("texture", vertex.texture, expected))
-        }
     }
 }
 

@@ -37,3 +37,28 @@ impl PartRef {
         usize::from(self.need) < needs.len()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_is_a_part_and_every_part_has_a_byte_of_its_own() {
+        for byte in 0..=u8::MAX {
+            let part = PartRef::from_byte(byte);
+            assert_eq!(part.to_byte(), byte);
+            assert!(
+                usize::from(part.need.max(part.part)) < MOST_PARTS,
+                "{part:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_part_came_with_one_of_the_units_that_its_unit_needs() {
+        let needs = [UnitId(7), UnitId(9)];
+        let of = |need| PartRef { need, part: 15 }.is_of(&needs);
+        assert_eq!([0, 1, 2, 15].map(of), [true, true, false, false]);
+        assert!(!PartRef::from_byte(0).is_of(&[]));
+    }
+}

@@ -164,8 +164,7 @@ fn placements(object: &SceneObject) -> Vec<(DAffine3, f64)> {
 /// The sphere round an object, wherever it stands, and how many triangles and points it has.
 fn placed_bounds((object, placed): (&SceneObject, &Vec<(DAffine3, f64)>)) -> Vec<(Sphere, f64)> {
     let centre = DVec3::from_array(object.bounds.centre);
-    let points = object.points.map_or(0, |it| it.count);
-    let samples = (object.leaf_triangles + points) as f64;
+    let samples = object.shape.samples() as f64;
     let at = |(world_from_object, scale): &(DAffine3, f64)| {
         let sphere = Sphere {
             centre: world_from_object.transform_point3(centre),

@@ -2,7 +2,9 @@
 //! browser with this machine.
 
 use super::Scene;
-use super::description::{Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource};
+use super::description::{
+    Grid, KIND, ObjectBounds, SceneDescription, SceneObject, SceneSource, Shape,
+};
 use super::pack::{ScenePack, begin_scene, chunk_name, finish_scene};
 use super::unit_table::UnitRow;
 use crate::content::mesh::payload::{Attributes, Cluster, MeshUnit, MeshVertex};
@@ -58,7 +60,9 @@ pub fn scripted_scene() -> Result<Scene, PackError> {
 fn description() -> SceneDescription {
     let object = SceneObject {
         name: "scripted".to_owned(),
-        leaf_triangles: u64::from(UNITS[0]),
+        shape: Shape::Mesh {
+            leaf_triangles: u64::from(UNITS[0]),
+        },
         bounds: ObjectBounds {
             centre: [0.0; 3],
             radius: 1.0,
@@ -78,7 +82,6 @@ fn description() -> SceneDescription {
             [0.0, 0.0, -2.0, 0.0, 2.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.5, -1.0],
         ],
         texturing: None,
-        points: None,
     };
     SceneDescription {
         kind: KIND.to_owned(),

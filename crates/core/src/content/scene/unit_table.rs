@@ -94,11 +94,9 @@ impl UnitRow {
             return wrong("row", format!("{} bytes", bytes.len()), "36 and more");
         };
         let Some(kind) = UnitKind::from_byte(fixed[0]) else {
-            return wrong(
-                "kind",
-                fixed[0].to_string(),
-                "0, a mesh, 1, a page of a texture, or 2, points",
-            );
+            let kinds = UnitKind::ALL.map(UnitKind::facts);
+            let kinds = kinds.map(|it| format!("{} for {}", it.byte, it.name));
+            return wrong("kind", fixed[0].to_string(), &kinds.join(", "));
         };
         let count = usize::from(fixed[1]);
         let number = |at| f32::from_bits(u32_at(fixed, at));

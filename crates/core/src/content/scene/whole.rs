@@ -74,7 +74,7 @@ impl<'a> SceneCheck<'a> {
             Payload::Mesh(says) => self.fit_mesh(unit, says),
             Payload::Image(page) => self.fit_page(unit, (page.texture, page.page)),
             Payload::Points(_) => self.clouds.add(unit, self.pack.row(unit), says),
-            Payload::Picture(_) => Ok(()),
+            Payload::Picture(_) | Payload::Other(_) => Ok(()),
         }
     }
 
@@ -93,7 +93,7 @@ impl<'a> SceneCheck<'a> {
                 [inner[0] * inner[1], usize::from(!is_its)]
             }
             Payload::Points(points) => [points.points.len(), 0],
-            Payload::Picture(_) => return Ok(()),
+            Payload::Picture(_) | Payload::Other(_) => return Ok(()),
         };
         let told = [row.samples, row.vertices].map(|it| it as usize);
         match found == told {

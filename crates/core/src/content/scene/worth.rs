@@ -10,9 +10,8 @@ use super::Scene;
 use super::scene::Stand;
 use super::sight::{SeenExtent, Sight};
 use super::unit_table::UnitRow;
-use crate::content::policy::ImportanceSource;
 use crate::pack::unit::UnitId;
-use crate::perception::footprints::{Footprint, Footprints};
+use crate::perception::footprints::{Footprint, Footprints, Measured};
 use crate::perception::moment::Moment;
 use crate::perception::parameters::{Model, Parameters};
 use crate::perception::step_worth::{DrawnFiner, LookedPlace, StepWorth};
@@ -31,7 +30,6 @@ enum Counted {
 #[derive(Debug)]
 pub(super) struct SceneWorth {
     parameters: Parameters,
-    importance: ImportanceSource,
     /// Steps of what is drawn without a filter, and of textures.
     of_sampled: StepWorth,
     of_filtered: StepWorth,
@@ -39,16 +37,12 @@ pub(super) struct SceneWorth {
     needed_by: Vec<f64>,
     counts: Counted,
     /// What was measured last; `None` where nothing was.
-    footprints: Option<Footprints>,
+    measured: Option<Measured>,
 }
 
 impl SceneWorth {
     /// The worth of the units of this scene to an eye with these parameters.
-    pub(super) fn new(
-        scene: &Scene,
-        parameters: &Parameters,
-        importance: ImportanceSource,
-    ) -> Self {
+    pub(super) fn new(scene: &Scene, parameters: &Parameters) -> Self {
         let rows = scene.pack().rows();
         let mut needed_by = vec![0.0; rows.len()];
         for row in rows {
@@ -61,26 +55,33 @@ impl SceneWorth {
             of_sampled: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Sampled),
             of_filtered: StepWorth::of_what_is_drawn(&parameters, DrawnFiner::Filtered),
             parameters,
-            importance,
             needed_by,
             counts: Counted::SeenSamples,
-            footprints: None,
+            measured: None,
         }
     }
 
-    /// From now on units refine these parts of the view.
-    pub(super) fn see(&mut self, footprints: &Footprints) {
-        self.footprints = Some(footprints.clone());
+    /// From now on this is known of units by what was drawn.
+    pub(super) fn see(&mut self, measured: Measured) {
+        self.measured = Some(measured);
     }
 
     /// What each unit is worth, as it is seen.
     pub(super) fn values(&self, scene: &Scene, sights: &[Sight]) -> Vec<f64> {
         let rows = scene.pack().rows();
-        if self.importance == ImportanceSource::Rendered {
-            return self.rendered(rows.len());
-        }
         let mut values = vec![0.0; rows.len()];
-        let extents = self.footprints.as_ref().map(|it| self.extents(scene, it));
+        let extents = match &self.measured {
+            Some(Measured::Worths(worths)) => {
+                for (unit, worth) in worths {
+                    if let Some(value) = values.get_mut(unit.0 as usize) {
+                        *value = f64::from(*worth);
+                    }
+                }
+                return values;
+            }
+            Some(Measured::Footprints(footprints)) => Some(self.extents(scene, footprints)),
+            None => None,
+        };
         for (unit, row) in (0..).map(UnitId).zip(rows) {
             let at = unit.0 as usize;
             // What is measured is which meshes are drawn: a page counts by its sphere.
@@ -95,17 +96,6 @@ impl SceneWorth {
                 scene.stands(unit).iter().map(value)
             });
             values[at] = seen.fold(0.0, f64::max);
-        }
-        values
-    }
-
-    /// What pictures of levels say that each unit is worth, which footprints hold as numbers.
-    fn rendered(&self, units: usize) -> Vec<f64> {
-        let mut values = vec![0.0; units];
-        for footprint in self.footprints.iter().flat_map(Footprints::list) {
-            if let Some(value) = values.get_mut(footprint.unit.0 as usize) {
-                *value = f64::from(f32::from_bits(footprint.area));
-            }
         }
         values
     }
@@ -194,10 +184,9 @@ pub fn parameters_of_morphs(parameters: &Parameters) -> Parameters {
 /// levels. `footprints` are those of every unit, measured where it is what would refine a level.
 #[must_use]
 pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -> Vec<f64> {
-    let signatures = ImportanceSource::Signatures;
-    let mut worth = SceneWorth::new(scene, &Parameters::default(), signatures);
+    let mut worth = SceneWorth::new(scene, &Parameters::default());
     worth.counts = Counted::VisibleError;
-    worth.see(footprints);
+    worth.see(Measured::Footprints(footprints.clone()));
     let sight = |glance| Sight::new(&glance, Radians(0.0));
     let sights: Vec<Sight> = moment.glances().map(sight).collect();
     worth.values(scene, &sights)
@@ -221,8 +210,8 @@ pub fn shares_of_worth(
     moment: &Moment,
     footprints: &Footprints,
 ) -> Vec<f32> {
-    let mut worth = SceneWorth::new(scene, parameters, ImportanceSource::Signatures);
-    worth.see(footprints);
+    let mut worth = SceneWorth::new(scene, parameters);
+    worth.see(Measured::Footprints(footprints.clone()));
     let sight = |glance| Sight::new(&glance, Radians(0.0));
     let sights: Vec<Sight> = moment.glances().map(sight).collect();
     let values = worth.values(scene, &sights);
@@ -260,7 +249,7 @@ pub fn shares_of_worth(
 /// what all are worth. 1 where none is worth anything. Takes some microseconds for each unit.
 #[must_use]
 pub fn detail_share(scene: &Scene, moment: &Moment, shows: impl Fn(UnitId) -> bool) -> f64 {
-    let worth = SceneWorth::new(scene, &Parameters::default(), ImportanceSource::Signatures);
+    let worth = SceneWorth::new(scene, &Parameters::default());
     let sight = |glance| Sight::new(&glance, Radians(0.0));
     let sights: Vec<Sight> = moment.glances().map(sight).collect();
     let values = worth.values(scene, &sights);
@@ -333,16 +322,18 @@ mod tests {
     #[test]
     fn what_nothing_shows_is_worth_nothing_and_what_is_near_the_gaze_is_worth_more() {
         let scene = scripted_scene().unwrap();
-        let mut worth =
-            SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
+        let mut worth = SceneWorth::new(&scene, &Parameters::default());
         // Detail of several cycles a degree.
         let last = scene.pack().len() - 1;
         let of = |worth: &SceneWorth| worth.values(&scene, &[sight(&scene)]);
         assert!(of(&worth).iter().any(|it| *it > 0.0));
-        worth.see(&Footprints::default());
+        worth.see(Measured::default());
         assert!(of(&worth).iter().all(|it| *it == 0.0));
         let mut at = |least| {
-            worth.see(&Footprints::new(vec![footprint(last as u32, least)]));
+            worth.see(Measured::Footprints(Footprints::new(vec![footprint(
+                last as u32,
+                least,
+            )])));
             of(&worth)[last]
         };
         let found = [0, 320, 640].map(&mut at);
@@ -400,7 +391,7 @@ mod tests {
     #[test]
     fn units_that_refine_what_is_not_drawn_share_what_it_would_refine() {
         let scene = scripted_scene().unwrap();
-        let worth = SceneWorth::new(&scene, &Parameters::default(), ImportanceSource::Signatures);
+        let worth = SceneWorth::new(&scene, &Parameters::default());
         let rows = scene.pack().rows();
         let first = rows.iter().position(|row| !row.needs.is_empty()).unwrap();
         let seen = Footprints::new(vec![footprint(first as u32, 16)]);

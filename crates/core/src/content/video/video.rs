@@ -17,7 +17,7 @@ use crate::content::head::ContentHead;
 use crate::content::policy::{HasTables, PolicyConfig};
 use crate::content::unit::Unit;
 use crate::pack::unit::UnitId;
-use crate::pack::{PackError, TableEntry, check_crc};
+use crate::pack::{PackError, TableEntry, UnitPlace, check_crc};
 use crate::perception::measures::contrast::Signature;
 use crate::perception::measures::cues::Cues;
 use crate::units::Seconds;
@@ -110,6 +110,31 @@ impl Video {
         tables.find(|table| table.name == name)
     }
 
+    /// The entry of a side table that has not been loaded and still may; `None` where the pack has
+    /// none of that name.
+    #[must_use]
+    pub fn table_to_come(&self, name: &str) -> Option<&TableEntry> {
+        let is_there = match name {
+            FRAME_TIMES => self.times.get().is_some(),
+            SIGNATURES => self.signatures.get().is_some(),
+            CUES => self.cues.get().is_some(),
+            SOUND => self.sound.get().is_some(),
+            CALIBRATION => self.calibration.get().is_some(),
+            _ => false,
+        };
+        let is_settled = is_there || self.has_lost(|lost| lost.tables.contains(name));
+        self.table(name).filter(|_| !is_settled)
+    }
+
+    /// Names of the side tables by which a policy chooses and says which score to expect.
+    #[must_use]
+    pub fn tables_of(config: &PolicyConfig) -> &'static [&'static str] {
+        match config.policy.has_target() {
+            true => &[SIGNATURES, CALIBRATION],
+            false => &[],
+        }
+    }
+
     /// Takes the bytes of a side table; refuses what its checksum or its reader does. A table of
     /// another name is passed over.
     pub fn add_table(&self, name: &str, bytes: Vec<u8>) -> Result<(), PackError> {
@@ -188,16 +213,16 @@ impl Video {
         self.has_signatures() && frames.into_iter().flatten().all(has_pages)
     }
 
-    /// Lengths of the access units of a chunk, its checksum checked.
-    pub fn lengths(&self, unit: UnitId, chunk: &[u8]) -> Result<Vec<u32>, PackError> {
-        let Some(entry) = self.pack.index().known_entry(unit) else {
-            return Ok(Vec::new());
-        };
+    /// The access units of a chunk, its checksum checked.
+    pub fn access_units<'a>(
+        &self,
+        unit: UnitId,
+        chunk: &'a [u8],
+    ) -> Result<Vec<&'a [u8]>, PackError> {
         let Tile { level, face, x, y } = self.pack.tile_of(unit);
         let what = format!("chunk of level {level}, face {face}, column {x}, row {y}");
-        check_crc(&what, chunk, entry.crc32c)?;
-        let units = split_chunk(chunk, self.pack.frames_of(unit).len())?;
-        Ok(units.iter().map(|unit| unit.len() as u32).collect())
+        self.place(unit).known(&what)?.check(&what, chunk)?;
+        split_chunk(chunk, self.pack.frames_of(unit).len())
     }
 }
 
@@ -226,11 +251,17 @@ impl Content for Video {
         }
     }
 
-    fn is_lost(&self, unit: UnitId) -> bool {
-        self.has_lost(|lost| {
-            let page = || self.pack.index().numbers().page_of(unit);
-            !lost.pages.is_empty() && lost.pages.contains(&page())
-        })
+    fn place(&self, unit: UnitId) -> UnitPlace {
+        match self.pack.index().place(unit) {
+            UnitPlace::OnPage { page, .. } if self.has_lost(|lost| lost.pages.contains(&page)) => {
+                UnitPlace::Lost
+            }
+            place => place,
+        }
+    }
+
+    fn chunk_name(&self, unit: UnitId) -> String {
+        self.pack.chunk_name(unit)
     }
 
     fn base(&self, frame: u32) -> Vec<UnitId> {
@@ -269,8 +300,7 @@ impl Content for Video {
     }
 
     fn may_become_ready(&self) -> bool {
-        let is_lost = || self.has_lost(|lost| lost.tables.contains(SIGNATURES));
-        self.has_signatures() || self.table(SIGNATURES).is_some() && !is_lost()
+        self.has_signatures() || self.table_to_come(SIGNATURES).is_some()
     }
 
     fn demand(self: Arc<Self>, head: &ContentHead, config: &PolicyConfig) -> Box<dyn Demand> {

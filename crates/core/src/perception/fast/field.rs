@@ -59,7 +59,7 @@ pub(super) struct EyeField {
     display_limit: f32,
     /// By band: what turns a difference of levels into contrast.
     scales: Vec<f32>,
-    looking: Option<Looking>,
+    looking: Option<Fixated>,
     /// Per band: weighed sustained and transient sensitivity at every node.
     pub(super) bands: Vec<[Vec<f32>; 2]>,
     /// Value of a pixel besides its bands, and the factor on all of it.
@@ -101,7 +101,7 @@ impl EyeField {
         if self.spread != Some(onlooker.gaze.spread) {
             self.fill_eccentricities(onlooker.gaze.spread);
         }
-        let looking = Looking::new(onlooker, weights);
+        let looking = Fixated::new(onlooker, weights);
         self.looking = Some(looking);
         if looking.gaze_counts() {
             for i in 0..self.nodes.len() {
@@ -173,7 +173,7 @@ impl EyeField {
         }
     }
 
-    fn resolve(&self, looking: &Looking, direction: [f32; 3]) -> Resolved {
+    fn resolve(&self, looking: &Fixated, direction: [f32; 3]) -> Resolved {
         let apart = direction.iter().zip(looking.gaze);
         let chord2: f32 = apart.map(|(d, g)| (d - g) * (d - g)).sum();
         let root = (chord2.sqrt() * 0.5).sqrt();
@@ -198,7 +198,7 @@ impl EyeField {
         }
     }
 
-    fn fill_band(&mut self, band: usize, looking: &Looking) {
+    fn fill_band(&mut self, band: usize, looking: &Fixated) {
         let size = self.size;
         let every = band_stride(band);
         for i in 0..self.nodes.len() {
@@ -215,7 +215,7 @@ impl EyeField {
     }
 
     /// Weighed sustained and transient sensitivity.
-    fn seen(&self, band: usize, looking: &Looking, node: &Node, resolved: &Resolved) -> [f32; 2] {
+    fn seen(&self, band: usize, looking: &Fixated, node: &Node, resolved: &Resolved) -> [f32; 2] {
         let octaves = node.density - (band + 2) as f32;
         let [sustained, transient] = match looking.state {
             EyeState::Jumping => self.far.at(octaves, 0.0),
@@ -241,7 +241,7 @@ const EXACT_RADIUS: f64 = (6 * SPACING) as f64;
 
 /// Who looks, as needed at every node.
 #[derive(Clone, Copy)]
-struct Looking {
+struct Fixated {
     onlooker: Onlooker,
     weights: Weights,
     state: EyeState,
@@ -252,7 +252,7 @@ struct Looking {
     place: Option<[f64; 2]>,
 }
 
-impl Looking {
+impl Fixated {
     fn new(onlooker: &Onlooker, weights: &Weights) -> Self {
         let gaze = onlooker.gaze.direction;
         let (yaw, pitch) = yaw_pitch_from_direction(gaze);

@@ -1,25 +1,17 @@
-//! What can be asked of a session, and what of it can be changed?
+//! What can be asked of a session?
 
 use super::{Session, Staged};
 use crate::content::demand::Content;
 use crate::content::policy::PolicyConfig;
-use crate::content::unit::AssetId;
-use crate::perception::footprints::Footprints;
 use crate::perception::moment::Moment;
+use crate::session::figures::Figures;
 use crate::session::log::SessionHead;
 use crate::session::unit_states::{Piece, UnitStates};
 use crate::units::Seconds;
-use crate::view::mounted::MountedPanel;
 use crate::view::timeline::Timeline;
 use std::sync::Arc;
 
 impl Session {
-    /// From now on what is shown may take so many bytes on the GPU: the pictures of what draws take
-    /// the rest.
-    pub fn bound_gpu(&mut self, bytes: u64) {
-        self.bounds.gpu = bytes;
-    }
-
     /// Whether the scene has what a policy chooses by.
     #[must_use]
     pub fn can(&self, config: &PolicyConfig) -> bool {
@@ -48,28 +40,6 @@ impl Session {
         self.run.waits()
     }
 
-    /// The link brings so many bytes a second from now on.
-    pub fn set_bytes_per_s(&mut self, bytes_per_s: f64) {
-        self.run.set_bytes_per_s(bytes_per_s);
-    }
-
-    /// The link brought so many bytes besides what was bought, as index pages of it: so much
-    /// less is bought from now on.
-    pub fn charge(&mut self, bytes: u64) {
-        self.run.charge(bytes);
-    }
-
-    /// What is spent counts from here, by the clock of gazes.
-    pub fn begin_at(&mut self, time: Seconds) {
-        self.run.begin_at(time);
-    }
-
-    /// Every moment is seen through these panels, turned with its head: as
-    /// [`MountedPanel::views`] gives them. To be said before anything is chosen.
-    pub fn show_on(&mut self, panels: Vec<MountedPanel>) {
-        self.run.show_on(panels);
-    }
-
     /// The score that what was chosen last is expected to have against every finest unit, in JOD,
     /// once all of it is shown; `None` before any choice and where it is unknown.
     #[must_use]
@@ -90,23 +60,16 @@ impl Session {
         self.run.head(moment)
     }
 
-    /// The units of an asset would refine these parts of what is drawn.
-    ///
-    /// # Panics
-    /// There must be such an asset.
-    pub fn see(&mut self, asset: AssetId, footprints: Footprints) {
-        self.run.see(asset, footprints);
-    }
-
-    /// Whether [`Self::see`] is about to receive more.
-    pub fn expect_footprints(&mut self, is_expected: bool) {
-        self.expects_footprints = is_expected;
-    }
-
-    /// Whether what is chosen depends on what [`Self::see`] receives.
+    /// Whether what is chosen depends on [`SessionEvent::Measured`].
     #[must_use]
     pub fn needs_footprints(&self) -> bool {
         self.run.needs_footprints()
+    }
+
+    /// What is counted.
+    #[must_use]
+    pub fn figures(&self) -> &Figures {
+        &self.figures
     }
 
     /// How far each unit has come.
@@ -158,7 +121,7 @@ impl Session {
     #[must_use]
     pub fn is_settled(&self) -> bool {
         let complete = |shown: &Staged| shown.complete.is_some();
-        let waits = self.run.needs_footprints() && self.expects_footprints;
+        let waits = self.run.needs_footprints() && self.is_measuring;
         !waits && self.coming.is_none() && self.shown.as_ref().is_some_and(complete)
     }
 

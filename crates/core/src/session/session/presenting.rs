@@ -1,11 +1,17 @@
-//! When is a frame shown, with what, and what is evicted then?
+//! When is a frame shown, with what, and what of the rest stays on the GPU?
 
-use super::{MOST_LEAD_S, PATIENCE_S, Session, Staged};
+use super::{Session, Staged};
 use crate::content::unit::{AssetId, UnitRef};
 use crate::session::actions::{Now, Pace, SessionAction};
+use crate::session::client_memory::worth_of;
 use crate::session::figures::FrameOutcome;
 use crate::session::unit_states::{Piece, UnitState};
 use std::collections::HashSet;
+
+/// How long a paused picture may stay as it is before the next one is shown unfinished.
+const PATIENCE_S: f64 = 0.25;
+/// Longest time that a frame is begun ahead of its own.
+const MOST_LEAD_S: f64 = 1.0;
 
 impl Session {
     pub(super) fn is_due(&self, now: &Now) -> bool {
@@ -44,6 +50,7 @@ impl Session {
             return;
         };
         self.actions.push(SessionAction::BeginFrame(coming.frame));
+        self.show_again(coming.wanted.clone());
         let cached = |piece: &&Piece| self.states.of(**piece) == Some(UnitState::Cached);
         let cached: Vec<Piece> = coming.wanted.iter().filter(cached).copied().collect();
         self.held_back.clear();
@@ -73,26 +80,38 @@ impl Session {
             complete: coming.complete.filter(|_| is_whole),
             ..coming
         });
-        self.evict_others();
+        self.show_no_others();
         // What was still to come of the frame before does not come any more.
         self.let_go(&before.map(|before| before.wanted).unwrap_or_default());
         self.jumped = false;
         self.count();
     }
 
-    /// Evicts all that neither the frame on screen nor the one that comes shows.
-    pub(super) fn evict_others(&mut self) {
+    /// Shows nothing but the frame on screen and what the one that comes shows of it already.
+    pub(super) fn show_no_others(&mut self) {
         let coming = self.coming.as_ref().map(|coming| coming.shows.clone());
-        self.evict_but(&coming.unwrap_or_default());
+        self.keep_shown(&coming.unwrap_or_default(), 0);
     }
 
-    /// Evicts what is not shown where a piece would not fit next to it.
+    /// Shows again what stayed on the GPU of these pieces.
+    pub(super) fn show_again(&mut self, wanted: Vec<Piece>) {
+        let stayed = wanted.into_iter();
+        let stayed = stayed.filter(|piece| self.states.of(*piece) == Some(UnitState::Resident));
+        for piece in self.needs_first(stayed.collect()) {
+            self.states.set(piece, UnitState::Shown);
+            self.staying.remove(&piece);
+            self.uncounted = true;
+            self.actions.push(SessionAction::Show(piece));
+        }
+    }
+
+    /// Evicts where a piece would not fit next to what is there: first what merely stays, and then
+    /// all that the frame on screen does not show.
     pub(super) fn make_room(&mut self, piece: Piece) {
-        let has_room = |session: &Self| {
-            session.resident_bytes + session.unit(piece).gpu_bytes <= session.bounds.gpu
-        };
-        if !has_room(self) {
-            self.evict_but(&HashSet::new());
+        let bytes = self.unit(piece).gpu_bytes;
+        self.leave_room(bytes);
+        if self.resident_bytes + bytes > self.bounds.gpu {
+            self.keep_shown(&HashSet::new(), bytes);
             // What the frame that comes had there is to be fetched again.
             if let Some(coming) = &mut self.coming {
                 coming.complete = None;
@@ -101,23 +120,106 @@ impl Session {
         }
     }
 
-    /// Evicts all that the frame on screen does not show, but for these.
-    fn evict_but(&mut self, others: &HashSet<Piece>) {
+    /// Evicts what merely stays where so many bytes would not fit next to it.
+    pub(super) fn leave_room(&mut self, bytes: u64) {
+        if self.resident_bytes + bytes > self.bounds.gpu && !self.staying.is_empty() {
+            let shown = self.states.in_state(UnitState::Shown);
+            self.keep_shown(&shown.into_iter().collect(), bytes);
+        }
+    }
+
+    /// Shows nothing but the frame on screen and these; what else is there of that frame stays as
+    /// far as there is room for it next to so many bytes.
+    fn keep_shown(&mut self, others: &HashSet<Piece>, bytes: u64) {
         let Some(shown) = &self.shown else {
             return;
         };
-        let shows = &shown.shows;
-        let (kept, gone): (Vec<Piece>, Vec<Piece>) = {
-            let resident = self.states.resident().into_iter();
-            resident.partition(|piece| shows.contains(piece) || others.contains(piece))
-        };
-        for piece in gone {
-            self.states.drop(piece);
-            self.resident_bytes -= self.unit(piece).gpu_bytes;
+        let (mut kept, mut idle, mut gone) = (Vec::new(), Vec::new(), Vec::new());
+        for piece in self.states.resident() {
+            let stays = shown.shows.contains(&piece) || others.contains(&piece);
+            let is_now = shown.frames[usize::from(piece.unit.asset.0)] == piece.frame;
+            match (stays && self.states.is_shown(piece), is_now) {
+                (true, _) => kept.push(piece),
+                (false, true) => idle.push(piece),
+                (false, false) => gone.push(piece),
+            }
         }
-        let kept = kept.into_iter().map(|piece| piece.unit).collect();
+        let kept_bytes = kept.iter().map(|piece| self.unit(*piece).gpu_bytes);
+        let mut taken = bytes + kept_bytes.sum::<u64>();
+        let mut staying = Vec::new();
+        for piece in self.by_worth(idle) {
+            taken += self.unit(piece).gpu_bytes;
+            match taken <= self.bounds.gpu {
+                true => staying.push(piece),
+                false => gone.push(piece),
+            }
+        }
+        gone.into_iter().for_each(|piece| self.lose(piece));
+        for piece in &staying {
+            if self.states.is_shown(*piece) {
+                self.states.set(*piece, UnitState::Resident);
+                self.staying.insert(*piece, self.memory.choice());
+            }
+        }
         self.uncounted = true;
-        self.actions.push(SessionAction::Keep(kept));
+        let [shown, staying] = [kept, staying].map(|pieces| {
+            let units = pieces.into_iter().map(|piece| piece.unit);
+            units.collect()
+        });
+        self.actions.push(SessionAction::Keep { shown, staying });
+    }
+
+    /// Pieces that the picture is made without, first what is to stay longest: what the frame that
+    /// comes shows, then what is worth most; each after those that it needs.
+    fn by_worth(&self, pieces: Vec<Piece>) -> Vec<Piece> {
+        let coming = self.coming.as_ref();
+        let choice = self.memory.choice();
+        let mut ranked: Vec<(bool, u64, Piece)> = pieces
+            .into_iter()
+            .map(|piece| {
+                let chosen = self.staying.get(&piece).copied().unwrap_or(choice);
+                let is_awaited = coming.is_some_and(|it| it.shows.contains(&piece));
+                let worth = worth_of(self.unit(piece).level, chosen);
+                (!is_awaited, u64::MAX - worth, piece)
+            })
+            .collect();
+        ranked.sort_unstable();
+        self.needs_first(ranked.into_iter().map(|(.., piece)| piece).collect())
+    }
+
+    /// A piece is not on the GPU any more.
+    pub(super) fn lose(&mut self, piece: Piece) {
+        if !self.states.is_resident(piece) {
+            return;
+        }
+        self.states.drop(piece);
+        self.staying.remove(&piece);
+        self.resident_bytes -= self.unit(piece).gpu_bytes;
+        for staged in [&mut self.shown, &mut self.coming].into_iter().flatten() {
+            if staged.shows.contains(&piece) {
+                staged.complete = None;
+                self.must_ask_anew = true;
+            }
+        }
+    }
+
+    /// Shows no more what is not wanted any more once all that is wanted is there.
+    pub(super) fn settle(&mut self, now: &Now) {
+        let Some(shown) = &mut self.shown else {
+            return;
+        };
+        if shown.complete.is_none() && shown.is_whole(&self.states) {
+            shown.complete = Some(now.wall.0);
+        }
+        let coming = self.coming.as_ref();
+        let is_awaited = |piece: &Piece| coming.is_some_and(|it| it.shows.contains(piece));
+        let stale = |piece: &Piece| !shown.shows.contains(piece) && !is_awaited(piece);
+        if shown.complete.is_some() && self.states.in_state(UnitState::Shown).iter().any(stale) {
+            self.show_no_others();
+        }
+        if self.uncounted {
+            self.count();
+        }
     }
 
     /// Begins frames earlier when they come after their time, though no earlier than they are on
@@ -141,7 +243,7 @@ impl Session {
         let coarsest = self.scene.iter().map(|asset| asset.coarsest()).max();
         let mut per_level = vec![0; usize::from(coarsest.unwrap_or(0)) + 1];
         let mut samples = 0;
-        for piece in self.states.resident() {
+        for piece in self.states.in_state(UnitState::Shown) {
             let asset = &self.scene[usize::from(piece.unit.asset.0)];
             let unit = asset.unit(piece.unit.unit);
             per_level[usize::from(unit.level)] += 1;

@@ -8,6 +8,7 @@ use crate::content::scripted::scripted_head;
 use crate::content::unit::Unit;
 use crate::gaze::sample::GazeSample;
 use crate::pack::unit::UnitId;
+use crate::pack::{Entry, UnitPlace};
 use crate::perception::moment::Moment;
 use crate::units::Radians;
 use crate::view::axes::Axes;
@@ -55,6 +56,10 @@ impl Content for Film {
             gpu_bytes: 1536,
             frames: group * GROUP..(group + 1) * GROUP,
         }
+    }
+
+    fn place(&self, _: UnitId) -> UnitPlace {
+        UnitPlace::At(Entry::default())
     }
 
     fn base(&self, frame: u32) -> Vec<UnitId> {
@@ -167,7 +172,7 @@ impl Trial {
                 self.cache.insert(piece);
                 SessionEvent::Decoded { piece, frames: 1 }
             };
-            self.session.take(event);
+            self.session.take(event.clone());
             if self.twice {
                 self.session.take(event);
             }

@@ -36,7 +36,7 @@ impl Session {
     }
 
     /// The same pieces, each after those of them that it needs.
-    fn needs_first(&self, pieces: Vec<Piece>) -> Vec<Piece> {
+    pub(super) fn needs_first(&self, pieces: Vec<Piece>) -> Vec<Piece> {
         if pieces
             .iter()
             .all(|piece| self.needs(*piece).next().is_none())

@@ -4,7 +4,7 @@
 //! logarithms. Strips of rows are summed up by themselves and added in their order, so the result
 //! does not depend on the number of threads.
 
-use super::eye::{BandEye, Looking, Table};
+use super::eye::{BandEye, GazeRay, Table};
 use super::levels::Levels;
 use super::math::{exp2, log2, split};
 use super::strip::ROWS;
@@ -27,7 +27,7 @@ pub(super) struct BandPass<'a> {
     pub(super) band: usize,
     pub(super) table: &'a Table,
     pub(super) eye: &'a BandEye,
-    pub(super) looking: Looking,
+    pub(super) looking: GazeRay,
     /// By channel: reference and test.
     pub(super) channels: &'a [[Levels; 2]],
     pub(super) instructions: Instructions,

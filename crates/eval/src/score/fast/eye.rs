@@ -93,7 +93,7 @@ pub(in crate::score) struct BandEye {
 
 /// A gaze, as a band's rows are compared with it.
 #[derive(Clone, Copy)]
-pub(in crate::score) struct Looking {
+pub(in crate::score) struct GazeRay {
     /// Tangents, or angles in degrees.
     pub(in crate::score) place: [f32; 2],
     /// Length of the ray.
@@ -137,8 +137,8 @@ impl BandEye {
         }
     }
 
-    pub(in crate::score) fn looking(&self, gaze: Tangents) -> Looking {
-        Looking {
+    pub(in crate::score) fn looking(&self, gaze: Tangents) -> GazeRay {
+        GazeRay {
             place: gaze.map(|tangent| on_axis(self.rule, tangent)),
             length: (1.0 + gaze[0] * gaze[0] + gaze[1] * gaze[1]).sqrt() as f32,
         }
@@ -146,8 +146,8 @@ impl BandEye {
 
     /// Degrees from the gaze of every pixel of a row; 0 where there is no gaze.
     #[inline(always)]
-    pub(in crate::score) fn eccentricities(&self, y: usize, looking: &Looking, out: &mut [f32]) {
-        let Looking { place, length } = *looking;
+    pub(in crate::score) fn eccentricities(&self, y: usize, looking: &GazeRay, out: &mut [f32]) {
+        let GazeRay { place, length } = *looking;
         let (row, columns) = (self.axes[1][y], &self.axes[0][..out.len()]);
         if !self.foveated {
             out.fill(0.0);

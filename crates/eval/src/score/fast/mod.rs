@@ -18,7 +18,7 @@ use super::sensitivity::LogSensitivityTable;
 use super::viewing::Viewing;
 use band::BandPass;
 #[cfg(feature = "gpu")]
-pub(in crate::score) use eye::Looking;
+pub(in crate::score) use eye::GazeRay;
 pub(in crate::score) use eye::{BandEye, Table};
 use foveal_core::perception::fast::instructions::Instructions;
 use levels::{Levels, expand_row};

@@ -3,7 +3,7 @@
 use crate::score::constants::{COARSE_BAND_GAIN, LUMINANCE_WEIGHTS};
 use crate::score::display::Display;
 use crate::score::error::ScoreError;
-use crate::score::fast::{BandEye, Looking, Table};
+use crate::score::fast::{BandEye, GazeRay, Table};
 use crate::score::pyramid::{half_size, samples_beyond};
 use crate::score::rules::GeometryRule;
 use crate::score::viewing::Viewing;
@@ -59,7 +59,7 @@ impl EyeUniform {
     pub(super) fn new(
         viewing: &Viewing,
         table: &Table,
-        looking: &Looking,
+        looking: &GazeRay,
         keeps_heat: bool,
     ) -> Self {
         Self {

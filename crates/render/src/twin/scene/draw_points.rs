@@ -6,8 +6,8 @@ use crate::twin::shared::ramp::ramp;
 use crate::twin::shared::raster::Corner;
 use crate::twin::shared::scene::{SceneInView, times};
 use crate::twin::shared::wgsl::mix;
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::ShownPoint;
-use foveal_core::content::scene::description::Cloud;
 use glam::{Vec2, Vec3, Vec4};
 
 const HIGHEST: u32 = 15;

@@ -92,8 +92,12 @@ pub(crate) trait TwinLayer {
     /// Takes a unit away; `false` where it was not there.
     fn remove(&mut self, unit: UnitId) -> bool;
 
-    /// Takes all units away but those that are wanted, what these need, and roots.
-    fn retain(&mut self, wanted: &HashSet<UnitId>);
+    /// Draws only units that are wanted, what these need, and roots; of the others those stay that
+    /// are `staying`.
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]);
+
+    /// Draws a unit again that stayed; `false` where it did not.
+    fn show(&mut self, unit: UnitId) -> bool;
 
     /// From now on these are the units that would refine parts of others.
     fn set_refiners(&mut self, _refiners: &Arc<Refiners>) {}

@@ -105,15 +105,22 @@ impl TwinLayer for TwinMeshes {
         let PayloadView::Mesh(says) = coming.says else {
             return Err(RenderError::OtherKind);
         };
-        self.units.insert(coming, says).map(|_| ())
+        if !self.units.show(coming.unit) {
+            self.units.insert(coming, says)?;
+        }
+        Ok(())
     }
 
     fn remove(&mut self, unit: UnitId) -> bool {
         self.units.remove(unit)
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        self.units.retain(wanted);
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        self.units.keep(wanted, staying);
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        self.units.show(unit)
     }
 
     fn set_refiners(&mut self, refiners: &Arc<Refiners>) {

@@ -78,9 +78,20 @@ impl TwinScene {
 
     /// Takes all units away but those that are wanted, what these need, and roots.
     pub fn retain(&mut self, wanted: &HashSet<UnitId>) {
+        self.keep(wanted, &[]);
+    }
+
+    /// Draws only units that are wanted, what these need, and roots; of the others those stay that
+    /// are `staying`.
+    pub fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
         self.layers
             .iter_mut()
-            .for_each(|layer| layer.retain(wanted));
+            .for_each(|layer| layer.keep(wanted, staying));
+    }
+
+    /// Draws a unit again that stayed, after those that it needs; `false` where it did not stay.
+    pub fn show(&mut self, unit: UnitId) -> bool {
+        self.layers.iter_mut().any(|layer| layer.show(unit))
     }
 
     /// From now on these units have gone so much of their way from what is coarser, 0 to 1, and all

@@ -25,8 +25,12 @@ impl TwinLayer for TwinPages {
         false
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
-        self.keep_only(wanted);
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        self.keep_only(wanted, staying);
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        self.table.show_again(unit)
     }
 
     fn pages(&self) -> Option<&TwinPages> {

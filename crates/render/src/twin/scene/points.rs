@@ -73,7 +73,10 @@ impl TwinLayer for TwinPoints {
         let PayloadView::Points(says) = coming.says else {
             return Err(RenderError::OtherKind);
         };
-        self.units.insert(coming, says).map(|_| ())
+        if !self.units.show(coming.unit) {
+            self.units.insert(coming, says)?;
+        }
+        Ok(())
     }
 
     fn remove(&mut self, unit: UnitId) -> bool {
@@ -82,10 +85,15 @@ impl TwinLayer for TwinPoints {
         is_there
     }
 
-    fn retain(&mut self, wanted: &HashSet<UnitId>) {
+    fn keep(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
         for unit in self.units.to_go(wanted) {
-            self.units.remove(unit);
+            self.units.hide(unit);
         }
+        self.units.set_idle(staying);
+    }
+
+    fn show(&mut self, unit: UnitId) -> bool {
+        self.units.show(unit)
     }
 
     fn set_refiners(&mut self, refiners: &Arc<Refiners>) {

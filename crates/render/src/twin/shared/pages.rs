@@ -52,7 +52,7 @@ impl TwinPages {
         says: &ImagePage,
     ) -> Result<(), RenderError> {
         let Coming { unit, needs, .. } = *coming;
-        if self.table.is_there(unit) {
+        if self.table.show_again(unit) || self.table.is_there(unit) {
             return Ok(());
         }
         let pictures = self.table.pictures_of(unit, needs, says)?;
@@ -77,9 +77,10 @@ impl TwinPages {
         free
     }
 
-    /// Takes away all pages but those that are wanted, what these need, and roots.
-    pub(crate) fn keep_only(&mut self, wanted: &HashSet<UnitId>) {
-        self.free.extend(self.table.retain(wanted));
+    /// Shows only pages that are wanted, what these need, and roots; of the others those stay that
+    /// are `staying`.
+    pub(crate) fn keep_only(&mut self, wanted: &HashSet<UnitId>, staying: &[UnitId]) {
+        self.free.extend(self.table.keep(wanted, staying));
     }
 
     fn word(&self, at: u32) -> u32 {

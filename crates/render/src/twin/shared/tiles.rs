@@ -17,6 +17,8 @@ pub struct TwinTiles {
     pub(crate) params: TileParams,
     colour: Colour,
     resident: BTreeMap<Tile, (u32, [Vec<Samples>; 3])>,
+    /// Those that are there and not shown.
+    hidden: BTreeSet<Tile>,
     frame: u32,
     level_map: Vec<u32>,
 }
@@ -30,6 +32,7 @@ impl TwinTiles {
             params: TileParams::new(grid, colour),
             colour,
             resident: BTreeMap::new(),
+            hidden: BTreeSet::new(),
             frame: 0,
             level_map: shown_map(grid, []),
         }
@@ -46,17 +49,34 @@ impl TwinTiles {
         check(&self.grid, tile, picture)?;
         let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p, self.colour));
         self.resident.insert(tile, (frame, planes));
+        self.hidden.remove(&tile);
         self.map_levels();
         Ok(())
     }
 
     /// Evicts every tile that is not in `wanted`; the coarsest level always stays.
     pub fn retain(&mut self, wanted: &[Tile]) {
-        let wanted: BTreeSet<Tile> = wanted.iter().copied().collect();
+        self.keep(wanted, &[]);
+    }
+
+    /// Shows only these tiles and the coarsest level; of the others those stay that are `staying`.
+    pub fn keep(&mut self, shown: &[Tile], staying: &[Tile]) {
+        let [shown, staying] =
+            [shown, staying].map(|it| it.iter().copied().collect::<BTreeSet<_>>());
         let coarsest = self.grid.coarsest();
+        let is_shown = |tile: &Tile| tile.level == coarsest || shown.contains(tile);
         self.resident
-            .retain(|tile, _| tile.level == coarsest || wanted.contains(tile));
+            .retain(|tile, _| is_shown(tile) || staying.contains(tile));
+        let hides = |tile: &&Tile| !is_shown(tile);
+        self.hidden = self.resident.keys().filter(hides).copied().collect();
         self.map_levels();
+    }
+
+    /// Shows a tile again that stayed; `false` where it did not.
+    pub fn show(&mut self, tile: Tile) -> bool {
+        self.hidden.remove(&tile);
+        self.map_levels();
+        self.resident.contains_key(&tile)
     }
 
     /// The finest level shown over every cell: face-major, then rows, then columns.
@@ -83,16 +103,22 @@ impl TwinTiles {
     pub fn wrong_frame_tiles(&self) -> usize {
         let base = self.grid.tiles_of(self.grid.coarsest());
         let missing = base.filter(|t| !self.resident.contains_key(t));
-        let held = self.resident.values();
-        missing.count() + held.filter(|(frame, _)| *frame != self.frame).count()
+        let held = self.shown().filter(|(_, frame)| *frame != self.frame);
+        missing.count() + held.count()
+    }
+
+    /// The tiles that are not hidden, with their frames.
+    fn shown(&self) -> impl Iterator<Item = (Tile, u32)> {
+        let tiles = self
+            .resident
+            .iter()
+            .map(|(tile, (frame, _))| (*tile, *frame));
+        tiles.filter(|(tile, _)| !self.hidden.contains(tile))
     }
 
     fn map_levels(&mut self) {
-        let shown = self
-            .resident
-            .iter()
-            .filter(|(_, (frame, _))| *frame == self.frame);
-        let entries = shown.map(|(&tile, _)| (tile, u32::from(tile.level)));
+        let shown = self.shown().filter(|(_, frame)| *frame == self.frame);
+        let entries = shown.map(|(tile, _)| (tile, u32::from(tile.level)));
         self.level_map = shown_map(&self.grid, entries);
     }
 

@@ -16,8 +16,9 @@ use super::joined::Graphed;
 use crate::source::SourceCloud;
 use colours::{Codes, white_of};
 use foveal_core::content::mesh::payload::Attributes;
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::payload::{CloudPoint, PointAttributes};
-use foveal_core::content::scene::description::{Cloud, Grid, ObjectBounds, SceneObject};
+use foveal_core::content::scene::description::{Grid, ObjectBounds, SceneObject, Shape};
 use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::part_ref::PartRef;
 use foveal_core::content::scene::unit_table::UnitRow;
@@ -171,7 +172,7 @@ fn object_of(source: &SourceCloud, cloud: Cloud, bounds: ObjectBounds) -> SceneO
     let origin = cloud.at([0; 3]);
     SceneObject {
         name: source.name.clone(),
-        leaf_triangles: 0,
+        shape: Shape::Cloud(cloud),
         bounds,
         grid: Grid {
             origin: origin.to_array(),
@@ -187,7 +188,6 @@ fn object_of(source: &SourceCloud, cloud: Cloud, bounds: ObjectBounds) -> SceneO
             .iter()
             .map(DAffine3::to_cols_array)
             .collect(),
-        points: Some(cloud),
         texturing: None,
     }
 }

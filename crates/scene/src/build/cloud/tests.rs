@@ -3,9 +3,9 @@
 use super::super::{BuildOptions, Built, build};
 use crate::generate::{cloud_of_torus, noisy_plane};
 use crate::source::{SourceCloud, SourceScene};
+use foveal_core::content::points::cloud::Cloud;
 use foveal_core::content::points::cut::PointCut;
 use foveal_core::content::points::payload::{CloudPoint, MOST_POINTS, PointUnit};
-use foveal_core::content::scene::description::Cloud;
 use foveal_core::pack::unit::UnitId;
 use glam::DAffine3;
 
@@ -30,7 +30,10 @@ fn built(cloud: &SourceCloud) -> Built {
 
 fn parsed(built: &Built, unit: usize) -> (PointUnit, Cloud) {
     let unit = &built.units[unit];
-    let cloud = built.objects[usize::from(unit.row.object)].points.unwrap();
+    let cloud = *built.objects[usize::from(unit.row.object)]
+        .shape
+        .cloud()
+        .unwrap();
     (
         PointUnit::parse(&unit.payload, cloud.attributes).unwrap(),
         cloud,
@@ -38,10 +41,10 @@ fn parsed(built: &Built, unit: usize) -> (PointUnit, Cloud) {
 }
 
 /// What the file would hold of a point: coordinates, colour, intensity and class.
-type Told = ([i32; 3], [u16; 3], u16, u8);
+type FoundPoint = ([i32; 3], [u16; 3], u16, u8);
 
 /// All points of the units of one object, in the colours that they have in the end.
-fn points_of(built: &Built, object: u16) -> Vec<Told> {
+fn points_of(built: &Built, object: u16) -> Vec<FoundPoint> {
     let units: Vec<_> = (0..built.units.len()).map(|it| parsed(built, it)).collect();
     let mut all = Vec::new();
     for (number, (unit, cloud)) in units.iter().enumerate() {
@@ -67,7 +70,7 @@ fn points_of(built: &Built, object: u16) -> Vec<Told> {
     all
 }
 
-fn told(point: &CloudPoint, cloud: &Cloud) -> Told {
+fn told(point: &CloudPoint, cloud: &Cloud) -> FoundPoint {
     (
         [0, 1, 2].map(|k| (cloud.least[k] + i64::from(point.place[k])) as i32),
         point.colour.map(|it| it * cloud.colour_times),
@@ -76,7 +79,7 @@ fn told(point: &CloudPoint, cloud: &Cloud) -> Told {
     )
 }
 
-fn points_of_file(cloud: &SourceCloud) -> Vec<Told> {
+fn points_of_file(cloud: &SourceCloud) -> Vec<FoundPoint> {
     let point = |k: usize| {
         (
             cloud.places[k],
@@ -85,7 +88,7 @@ fn points_of_file(cloud: &SourceCloud) -> Vec<Told> {
             cloud.classes.get(k).copied().unwrap_or_default(),
         )
     };
-    let mut all: Vec<Told> = (0..cloud.places.len()).map(point).collect();
+    let mut all: Vec<FoundPoint> = (0..cloud.places.len()).map(point).collect();
     all.sort_unstable();
     all
 }
@@ -111,10 +114,7 @@ fn all_units_together_are_the_file_bit_for_bit() {
     ] {
         let built = built(&cloud);
         assert!(points_of(&built, 0) == points_of_file(&cloud));
-        assert_eq!(
-            built.objects[0].points.unwrap().count,
-            cloud.places.len() as u64
-        );
+        assert_eq!(built.objects[0].shape.samples(), cloud.places.len() as u64);
     }
 }
 

@@ -70,7 +70,7 @@ fn the_full_cut_is_the_source_on_its_grid() {
             .flat_map(|(_, unit, number)| unit.triangles(number));
         assert_eq!(sorted(drawn), source, "{name}");
         assert_eq!(
-            built.objects[0].leaf_triangles,
+            built.objects[0].shape.samples(),
             source.len() as u64,
             "{name}"
         );
@@ -248,7 +248,7 @@ fn several_objects_share_levels_and_keep_apart() {
 fn what_has_no_area_is_left_out_and_counted() {
     let built = built(&fan(12));
     assert_eq!(built.repairs.get("zero_area_triangles"), Some(&1));
-    assert_eq!(built.objects[0].leaf_triangles, 13);
+    assert_eq!(built.objects[0].shape.samples(), 13);
     let nothing = SourceScene::default();
     let refused = build(&nothing, &BuildOptions::default(), &|_, _| ());
     assert!(matches!(refused, Err(super::BuildError::Empty)));

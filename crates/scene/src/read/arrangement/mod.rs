@@ -170,9 +170,7 @@ impl Arrangement {
                 .iter()
                 .filter_map(ArrangedPlace::world_from_file);
             let all: Vec<DAffine3> = all.collect();
-            let objects = one.objects.iter_mut().map(|it| &mut it.placements);
-            let clouds = one.clouds.iter_mut().map(|it| &mut it.placements);
-            for own in objects.chain(clouds).filter(|_| !all.is_empty()) {
+            for own in one.placements_mut().filter(|_| !all.is_empty()) {
                 places += own.len().saturating_mul(all.len());
                 if places > MOST_PLACES {
                     let what = format!("objects stand in more than {MOST_PLACES} places");

@@ -260,9 +260,9 @@ impl PlyColours {
         }
     }
 
-    fn tell(&self, full: &Full, strays: usize, told: &mut Told) {
+    fn tell(&self, full: &Full, strays: usize, reported: &mut ColourRemarks) {
         if let (Kind::Intensity, Some([least, most])) = (self.kind, self.range) {
-            let what = &told.what;
+            let what = &reported.what;
             let [from, to] = self.shown.unwrap_or([least, most]);
             let mut cut = String::new();
             if from > least {
@@ -271,22 +271,22 @@ impl PlyColours {
             if to < most {
                 cut += &format!("; {to} and more are white");
             }
-            told.remarks.push(format!(
+            reported.remarks.push(format!(
                 "{what} have no colours, but intensities from {least} to {most}: they are shown as \
                  grey{cut}"
             ));
         }
         if self.kind == Kind::Splat {
-            told.remark("splats are drawn as points, each in its own colour from all sides");
+            reported.remark("splats are drawn as points, each in its own colour from all sides");
         }
         let counts = (self.raw.len(), strays);
-        if let Some(remark) = full.tell(&told.what, counts, &mut told.repairs) {
-            told.remark(remark);
+        if let Some(remark) = full.tell(&reported.what, counts, &mut reported.repairs) {
+            reported.remark(remark);
         }
     }
 
     /// In linear light; white where there was no number.
-    pub(super) fn lights(mut self, told: &mut Told) -> Vec<[f32; 4]> {
+    pub(super) fn lights(mut self, reported: &mut ColourRemarks) -> Vec<[f32; 4]> {
         self.spread_intensities();
         let full = self.full();
         let alpha = match self.most_alpha {
@@ -303,12 +303,12 @@ impl PlyColours {
             }
         }
         let strays = lighten(&mut self.raw, &full, alpha);
-        self.tell(&full, strays, told);
+        self.tell(&full, strays, reported);
         self.raw
     }
 
     /// As codes of sixteen bits; one of eight bits becomes 257 times as much.
-    pub(super) fn codes(mut self, told: &mut Told) -> Vec<[u16; 3]> {
+    pub(super) fn codes(mut self, reported: &mut ColourRemarks) -> Vec<[u16; 3]> {
         self.spread_intensities();
         let full = self.full();
         let mut strays = 0;
@@ -322,20 +322,20 @@ impl PlyColours {
             shares.map(|share| (share * MOST_CODE).round() as u16)
         };
         let codes = self.raw.iter().map(code).collect();
-        self.tell(&full, strays, told);
+        self.tell(&full, strays, reported);
         codes
     }
 }
 
 /// What is said and counted while colours are read.
-pub(super) struct Told {
+pub(super) struct ColourRemarks {
     /// What the colours are of: vertices, points or faces of a file.
     pub(super) what: String,
     pub(super) repairs: Repairs,
     pub(super) remarks: Vec<String>,
 }
 
-impl Told {
+impl ColourRemarks {
     pub(super) fn of(what: String) -> Self {
         Self {
             what,

@@ -20,7 +20,7 @@ use super::polygon::Polygons;
 use super::sound::count;
 use super::text::shortened;
 use crate::source::{Material, Repairs, SourceMesh, SourceObject, SourceScene, keep};
-use colours::{ColourColumns, PlyColours, Told, colour_triangles, forget_colours};
+use colours::{ColourColumns, ColourRemarks, PlyColours, colour_triangles, forget_colours};
 use corners::Corners;
 use header::{Element, PlyHeader, Property};
 use numbers::Numbers;
@@ -364,10 +364,10 @@ impl Reader {
     fn take_colours(&mut self, are_points: bool, name: &str, scene: &mut SourceScene) {
         let name = shortened(name);
         let what = if are_points { "points" } else { "vertices" };
-        let mut told = Told::of(format!("{what} of {name:?}"));
+        let mut reported = ColourRemarks::of(format!("{what} of {name:?}"));
         match self.colours.take() {
-            Some(colours) if are_points => self.codes = colours.codes(&mut told),
-            Some(colours) => self.mesh.colours = colours.lights(&mut told),
+            Some(colours) if are_points => self.codes = colours.codes(&mut reported),
+            Some(colours) => self.mesh.colours = colours.lights(&mut reported),
             None => {}
         }
         let faces = std::mem::take(&mut self.mesh.materials);
@@ -382,26 +382,26 @@ impl Reader {
             .take()
             .or(palette.filter(|_| !faces.is_empty()));
         if let Some(colours) = colours.filter(|_| !are_points) {
-            told.what = format!("faces of {name:?}");
+            reported.what = format!("faces of {name:?}");
             match self.mesh.colours.is_empty() {
-                true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut told)),
+                true => colour_triangles(&mut self.mesh, &faces, &colours.lights(&mut reported)),
                 false => {
                     let remark = "colours of faces are left out, as vertices have colours too";
-                    told.remarks.push(remark.to_owned());
+                    reported.remarks.push(remark.to_owned());
                 }
             }
         }
         let lost = self.mesh.colours.iter().filter(|it| it[3] < 1.0).count();
         if lost > 0 {
-            count(&mut told.repairs, "drawn_opaque", lost);
+            count(&mut reported.repairs, "drawn_opaque", lost);
             let remark =
                 format!("what is half transparent is drawn opaque: {lost} vertices of {name:?}");
-            told.remarks.push(remark);
+            reported.remarks.push(remark);
         }
-        for (name, times) in told.repairs {
+        for (name, times) in reported.repairs {
             count(&mut self.repairs, &name, times as usize);
         }
-        told.remarks.into_iter().for_each(|it| scene.remark(it));
+        reported.remarks.into_iter().for_each(|it| scene.remark(it));
     }
 
     /// The places and colours of points, also of a mesh that has lost its faces.

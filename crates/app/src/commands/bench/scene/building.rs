@@ -7,7 +7,6 @@ use crate::commands::bench::processor_time::cpu_seconds;
 use crate::report::output;
 use foveal_core::content::mesh::payload::MeshUnit;
 use foveal_core::content::scene::description::GRID_BITS;
-use foveal_core::content::scene::kind::UnitKind;
 use foveal_scene::baseline::{WholeMesh, clod_build};
 use foveal_scene::build::{BuildOptions, build as build_units};
 use std::hint::black_box;
@@ -90,7 +89,7 @@ pub(super) fn decode(
     let mut units = Vec::new();
     for unit in file.pack().units() {
         let row = file.pack().row(unit);
-        if row.kind == UnitKind::Mesh {
+        if row.kind.facts().has_triangles {
             let attributes = file.scene().object_of(unit).attributes;
             units.push((file.read_chunk(unit)?, attributes, &row.replaces));
         }

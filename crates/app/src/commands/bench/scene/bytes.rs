@@ -4,7 +4,6 @@ use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns};
 use super::subject::Subject;
 use foveal_core::content::demand::Content;
-use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::pack::unit::UnitId;
 use foveal_scene::baseline::WholeMesh;
 use foveal_scene::cracks::{CutTrial, check_cuts};
@@ -44,7 +43,7 @@ pub(super) fn of_leaves(subject: &Subject, _: &BenchConditions) -> anyhow::Resul
     let (pack, header) = (subject.file.pack(), subject.file.header());
     let of_meshes = pack
         .units()
-        .filter(|unit| pack.row(*unit).kind == UnitKind::Mesh);
+        .filter(|unit| pack.row(*unit).kind.facts().has_triangles);
     let units: u64 = of_meshes
         .map(|unit| u64::from(pack.entry(unit).bytes))
         .sum();

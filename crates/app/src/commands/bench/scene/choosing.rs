@@ -10,7 +10,6 @@ use foveal_core::content::demand::Demand;
 use foveal_core::content::policy::Policy;
 use foveal_core::content::scene::Scene;
 use foveal_core::content::scene::demand::SceneDemand;
-use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::content::scene::pack::ScenePack;
 use foveal_core::perception::moment::Moment;
 use foveal_core::selection::greedy::Rule;
@@ -74,7 +73,7 @@ fn clusters(subject: &Subject) -> anyhow::Result<usize> {
     let file = &subject.file;
     let mut clusters = 0;
     for unit in file.pack().units() {
-        if file.pack().row(unit).kind != UnitKind::Mesh {
+        if !file.pack().row(unit).kind.facts().has_triangles {
             continue;
         }
         let places = file.scene().object_of(unit).placements.len();

@@ -71,7 +71,8 @@ fn drawn_from(cloud: SourceCloud) -> anyhow::Result<TwinScene> {
         ..SourceScene::default()
     };
     let built = build(&source, &BuildOptions::default(), &|_, _| ())?;
-    let attributes = built.objects[0].points.unwrap_or_default().attributes;
+    let cloud = built.objects[0].shape.cloud().copied();
+    let attributes = cloud.unwrap_or_default().attributes;
     let mut scene = TwinScene::new(&built.objects, &[]);
     for (number, unit) in (0..).zip(&built.units) {
         let octant = unit.row.replaces.first().map(|it| it.part);

@@ -14,9 +14,8 @@ use foveal_core::units::Seconds;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use foveal_eval::score::{Mode, Viewing};
-use foveal_play::{ScenePlayer, ScenePlayerOptions};
+use foveal_play::{Player, PlayerOptions};
 use foveal_render::{DrawDevice, RgbaImage};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Across the views, in degrees.
@@ -28,15 +27,12 @@ pub(super) fn player(
     conditions: &BenchConditions,
     config: PolicyConfig,
     gpu_bytes: u64,
-) -> anyhow::Result<ScenePlayer> {
-    let options = ScenePlayerOptions {
-        config,
-        drawing: conditions.drawing.clone(),
-        bytes_per_s: f64::INFINITY,
+) -> anyhow::Result<Player> {
+    let options = PlayerOptions {
         gpu_bytes,
-        tell: output::say,
+        ..PlayerOptions::new(config, &conditions.drawing, output::say)
     };
-    Ok(ScenePlayer::new(Arc::clone(&subject.file), options)?)
+    Ok(Player::of_scene(&subject.file, options)?)
 }
 
 /// Triangles that are drawn and how long that takes, through a narrow and a wide view.
@@ -71,7 +67,7 @@ fn through(
     let view = moment.views[0];
     let showing = |policy| {
         let mut player = player(subject, conditions, Detail::Usual.of(policy), u64::MAX / 4)?;
-        player.show(Seconds(0.0), moment)?;
+        player.stand(Seconds(0.0), moment)?;
         anyhow::Ok(player)
     };
     let [mut acuity, mut viewport] = [showing(Policy::Acuity)?, showing(Policy::Viewport)?];
@@ -81,7 +77,7 @@ fn through(
         || drawing_ms(&mut viewport, &view),
     )?;
     // What is drawn is known once it was.
-    let drawn = |player: &mut ScenePlayer| player.triangles_drawn() as f64;
+    let drawn = |player: &mut Player| player.triangles_drawn() as f64;
     let counts = Turns::once(drawn(&mut acuity), Some(drawn(&mut viewport)));
     let picture = picture(&mut acuity, &view)?;
     drop((acuity, viewport));
@@ -99,12 +95,14 @@ fn through(
     ])
 }
 
-fn picture(player: &mut ScenePlayer, view: &EyeView) -> anyhow::Result<RgbaImage> {
-    player.picture(view)?.context("what draws has a picture")
+fn picture(player: &mut Player, view: &EyeView) -> anyhow::Result<RgbaImage> {
+    player
+        .picture(view, false)?
+        .context("what draws has a picture")
 }
 
 /// Milliseconds by the clock until a picture is in main memory.
-fn drawing_ms(player: &mut ScenePlayer, view: &EyeView) -> anyhow::Result<f64> {
+fn drawing_ms(player: &mut Player, view: &EyeView) -> anyhow::Result<f64> {
     let begun = Instant::now();
     picture(player, view)?;
     Ok(begun.elapsed().as_secs_f64() * 1e3)

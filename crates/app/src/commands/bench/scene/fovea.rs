@@ -3,9 +3,9 @@
 use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns};
 use super::subject::Subject;
-use crate::commands::scene::judging::Judge;
-use crate::commands::scene::moving::Mover;
-use crate::commands::simulate_score::ScoringOptions;
+use crate::commands::simulate::moving::Mover;
+use crate::commands::simulate::scene_errors::Judge;
+use crate::commands::simulate::scoring::ScoringOptions;
 use crate::gaze_source::{GazeChoice, ViewerModel};
 use crate::report::output;
 use foveal_core::content::asked::Detail;
@@ -14,9 +14,8 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::route::Route;
-use foveal_play::{ScenePlayer, ScenePlayerOptions};
+use foveal_play::{Player, PlayerOptions};
 use foveal_render::DrawDevice;
-use std::sync::Arc;
 
 /// Where the eye looks, in degrees to the right and up.
 const GAZES: [[f64; 2]; 5] = [
@@ -90,27 +89,24 @@ fn bytes_of(
         size: SIZE,
         eye: Default::default(),
     };
-    let options = ScenePlayerOptions {
-        config: config.clone(),
-        drawing: conditions.drawing.clone(),
+    let options = PlayerOptions {
         bytes_per_s: BYTES_PER_S,
-        gpu_bytes: u64::MAX / 4,
-        tell: output::say,
+        ..PlayerOptions::new(config.clone(), &conditions.drawing, output::say)
     };
-    let mut player = ScenePlayer::new(Arc::clone(&subject.file), options)?;
-    let route = (Route::Still, player.scene().bounds());
+    let mut player = Player::of_scene(&subject.file, options)?;
+    let route = (Route::Still, subject.file.scene().bounds());
     let length = Seconds(f64::from(MOST_FRAMES) * INTERVAL);
     let viewer = ViewerModel::default();
     let mover = Mover::new(route, &GazeChoice::At(gaze), 1, length, &viewer)?;
     let mut mover = mover.through(view);
     let unasked = ScoringOptions::unasked();
     let mut judge = Judge::open(&unasked, &subject.file, &[view], &conditions.drawing, None)?;
-    let mut bytes = player.head_bytes();
+    let mut bytes = subject.file.head_bytes();
     for frame in 0..MOST_FRAMES {
         let time = Seconds(f64::from(frame) * INTERVAL);
         let standing = mover.at(time, &config.perception);
-        let report = player.show(time, &standing.moment)?;
-        bytes += report.unit_bytes + report.page_bytes;
+        let report = player.stand(time, &standing.moment)?;
+        bytes += report.new_bytes + report.page_bytes;
         let judged = judge.frame(&mut player, &standing, &report)?;
         if judged
             .and_then(|judged| judged.fovea)

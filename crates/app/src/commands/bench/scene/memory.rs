@@ -88,7 +88,7 @@ fn most_gpu_bytes(subject: &Subject, conditions: &BenchConditions) -> anyhow::Re
         Detail::Usual.of(Policy::Viewport),
         GPU_BYTES,
     )?;
-    let bounds = player.scene().bounds();
+    let bounds = subject.file.scene().bounds();
     let view = EyeView {
         position: Default::default(),
         axes: Axes::FRONT,
@@ -104,7 +104,7 @@ fn most_gpu_bytes(subject: &Subject, conditions: &BenchConditions) -> anyhow::Re
             gaze_in_content: pose.axes.forward,
             ..GazeSample::at(time, Radians(0.0), Radians(0.0))
         };
-        player.show(time, &Moment::new(gaze, vec![pose.view(&view)]))?;
+        player.stand(time, &Moment::new(gaze, vec![pose.view(&view)]))?;
         most = most.max(player.drawer().gpu_bytes());
     }
     Ok(most as f64)

@@ -3,9 +3,9 @@
 use super::conditions::BenchConditions;
 use super::row::{BenchRow, Turns, thread_ms_each};
 use super::subject::Subject;
-use crate::commands::scene::judging::Judge;
-use crate::commands::scene::moving::Mover;
-use crate::commands::simulate_score::ScoringOptions;
+use crate::commands::simulate::moving::Mover;
+use crate::commands::simulate::scene_errors::Judge;
+use crate::commands::simulate::scoring::ScoringOptions;
 use crate::gaze_source::{GazeChoice, ViewerModel};
 use crate::report::output;
 use foveal_core::content::asked::Detail;
@@ -16,12 +16,11 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::Axes;
 use foveal_core::view::eye_view::{EyeView, Field};
 use foveal_core::view::route::Route;
-use foveal_play::{ScenePlayer, ScenePlayerOptions};
+use foveal_play::{Player, PlayerOptions};
 use foveal_render::DrawDevice;
 use foveal_scene::laz_whole::LazWhole;
 use foveal_scene::source::SourceCloud;
 use std::hint::black_box;
-use std::sync::Arc;
 
 /// Steps of a budget within which error must fall.
 const STEPS: u32 = 12;
@@ -85,7 +84,7 @@ fn of_file(cloud: &SourceCloud) -> Vec<CloudPoint> {
 fn bytes(subject: &Subject, packed: &[LazWhole]) -> anyhow::Result<BenchRow> {
     let (mut ours, mut points) = (0.0, 0.0);
     for unit in subject.file.pack().units() {
-        if subject.file.scene().object_of(unit).points.is_some() {
+        if subject.file.scene().object_of(unit).shape.cloud().is_some() {
             ours += f64::from(subject.file.pack().entry(unit).bytes);
             points += f64::from(subject.file.pack().row(unit).samples);
         }
@@ -108,7 +107,7 @@ fn decoding(
 ) -> anyhow::Result<BenchRow> {
     let mut units = Vec::new();
     for unit in subject.file.pack().units() {
-        if let Some(cloud) = subject.file.scene().object_of(unit).points {
+        if let Some(cloud) = subject.file.scene().object_of(unit).shape.cloud() {
             units.push((subject.file.read_chunk(unit)?, cloud.attributes));
         }
     }
@@ -160,15 +159,12 @@ fn falling(subject: &Subject, conditions: &BenchConditions) -> anyhow::Result<Be
         eye: Default::default(),
     };
     let config = Detail::Usual.of(Policy::Uniform);
-    let options = ScenePlayerOptions {
-        config: config.clone(),
-        drawing: conditions.drawing.clone(),
+    let options = PlayerOptions {
         bytes_per_s: bytes as f64 / f64::from(STEPS) / INTERVAL,
-        gpu_bytes: u64::MAX / 4,
-        tell: output::say,
+        ..PlayerOptions::new(config.clone(), &conditions.drawing, output::say)
     };
-    let mut player = ScenePlayer::new(Arc::clone(&subject.file), options)?;
-    let route = (Route::Still, player.scene().bounds());
+    let mut player = Player::of_scene(&subject.file, options)?;
+    let route = (Route::Still, subject.file.scene().bounds());
     let length = Seconds(f64::from(STEPS) * INTERVAL);
     let gaze = GazeChoice::At([0.0; 2]);
     let mover = Mover::new(route, &gaze, 1, length, &ViewerModel::default())?;
@@ -179,7 +175,7 @@ fn falling(subject: &Subject, conditions: &BenchConditions) -> anyhow::Result<Be
     for step in 0..=STEPS {
         let time = Seconds(f64::from(step) * INTERVAL);
         let standing = mover.at(time, &config.perception);
-        let report = player.show(time, &standing.moment)?;
+        let report = player.stand(time, &standing.moment)?;
         let judged = judge.frame(&mut player, &standing, &report)?;
         errors.extend(judged.map(|it| it.all));
     }

@@ -34,7 +34,7 @@ impl Subject {
     pub(super) fn prepare(input: Option<&Path>, pack: &Path) -> anyhow::Result<Self> {
         let drawn = pack.with_file_name("torus.ply");
         let input = match input {
-            Some(input) if matches!(Pack::open(input), Ok(Pack::Scene(_))) => {
+            Some(input) if Pack::open(input).is_ok_and(|it| it.scene().is_some()) => {
                 return Self::of(input, None, None, input);
             }
             Some(input) => input,

@@ -1,6 +1,6 @@
 //! Which mesh or cloud does the demo show, and where does a viewer look at it?
 
-use crate::commands::scene::prepare::{check_scene, prepare_usual};
+use crate::commands::prepare::scene::{check_scene, prepare_usual};
 use crate::report::output;
 use crate::run::mesh_file::ply;
 use foveal_media::pack::scene_file::SceneFile;

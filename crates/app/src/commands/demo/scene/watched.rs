@@ -2,11 +2,11 @@
 
 use crate::commands::demo::scene::content::PreparedScene;
 use crate::commands::demo::video::pictures::{Png, narrowed, png};
-use crate::commands::scene::moving::{Mover, Standing};
 use crate::commands::score::{
     Companions, DeviceName, Engine, LastGaze, display_of_view, from_image,
 };
-use crate::commands::simulate_pictures::marks;
+use crate::commands::simulate::moving::{Mover, Standing};
+use crate::commands::simulate::pictures::marks;
 use crate::gaze_source::{GazeChoice, ViewerModel};
 use crate::report::output::{self, Counting};
 use anyhow::Context;
@@ -20,9 +20,8 @@ use foveal_core::view::route::Route;
 use foveal_core::view::surface::Projection;
 use foveal_eval::disc_error::{FOVEA_DEG, disc, error_over};
 use foveal_eval::score::{Mode, Viewing};
-use foveal_play::{ScenePlayer, ScenePlayerOptions, SceneReport};
+use foveal_play::{Made, Player, PlayerOptions};
 use foveal_render::{DrawDevice, RgbaImage};
-use std::sync::Arc;
 
 /// Bytes a second of the link: 4 Mbit/s.
 pub(crate) const LINK_BYTES: f64 = 5e5;
@@ -124,7 +123,7 @@ pub(crate) fn watch(
         eye: Default::default(),
     };
     let mut whole = player(scene, drawing, Policy::Full)?;
-    let bounds = whole.scene().bounds();
+    let bounds = scene.file.scene().bounds();
     let stand = |gaze_deg| {
         let (route, gaze) = ((Route::Still, bounds), GazeChoice::At(gaze_deg));
         let mover = Mover::new(route, &gaze, 0, Seconds(0.0), &ViewerModel::default())?;
@@ -137,13 +136,13 @@ pub(crate) fn watch(
     };
     let mut standing = stand([0.0, 0.0])?;
     let view = standing.moment.views[0];
-    whole.show(Seconds(0.0), &standing.moment)?;
+    whole.stand(Seconds(0.0), &standing.moment)?;
     let gaze_deg = match scene.content.gaze_deg() {
         Some(known) => known,
         None => gaze_on_it(&mut whole, &narrowed(&view, GLANCE_WIDTH))?,
     };
     standing = stand(gaze_deg)?;
-    let reference = whole.picture(&view)?.context("nothing draws")?;
+    let reference = whole.picture(&view, false)?.context("nothing draws")?;
     let watched = Watched {
         drawing,
         scene,
@@ -165,8 +164,8 @@ pub(crate) fn watch(
 
 /// The place nearest to the middle at which what stands there fills nearly all of the fovea, or the
 /// most of it, in degrees to the right and up: many things have a hole in their middle.
-fn gaze_on_it(whole: &mut ScenePlayer, view: &EyeView) -> anyhow::Result<[f64; 2]> {
-    let picture = whole.picture(view)?.context("nothing draws")?;
+fn gaze_on_it(whole: &mut Player, view: &EyeView) -> anyhow::Result<[f64; 2]> {
+    let picture = whole.picture(view, false)?.context("nothing draws")?;
     let background = picture.pixel([0, 0]);
     let filled = |[right, up]: [f64; 2]| {
         let [yaw, pitch] = [right, up].map(Radians::from_degrees);
@@ -191,25 +190,17 @@ fn gaze_on_it(whole: &mut ScenePlayer, view: &EyeView) -> anyhow::Result<[f64; 2
     Ok(best.0)
 }
 
-fn player(
-    scene: &PreparedScene,
-    drawing: &DrawDevice,
-    policy: Policy,
-) -> anyhow::Result<ScenePlayer> {
-    let options = ScenePlayerOptions {
-        config: PolicyConfig::new(policy),
-        drawing: drawing.clone(),
-        bytes_per_s: match policy {
-            Policy::Full => f64::INFINITY,
-            _ => LINK_BYTES,
+fn player(scene: &PreparedScene, drawing: &DrawDevice, policy: Policy) -> anyhow::Result<Player> {
+    let unlimited = PlayerOptions::new(PolicyConfig::new(policy), drawing, output::say);
+    let options = match policy {
+        Policy::Full => unlimited,
+        _ => PlayerOptions {
+            bytes_per_s: LINK_BYTES,
+            gpu_bytes: GPU_BYTES,
+            ..unlimited
         },
-        gpu_bytes: match policy {
-            Policy::Full => u64::MAX / 4,
-            _ => GPU_BYTES,
-        },
-        tell: output::say,
     };
-    Ok(ScenePlayer::new(Arc::clone(&scene.file), options)?)
+    Ok(Player::of_scene(&scene.file, options)?)
 }
 
 /// A scene before a viewer who stands still, and what all of it looks like.
@@ -244,13 +235,13 @@ impl Watched<'_> {
             levels: None,
             log: String::new(),
         };
-        let (mut bytes, mut quiet) = (player.head_bytes(), 0);
+        let (mut bytes, mut quiet) = (self.scene.file.head_bytes(), 0);
         let mut errors = None;
         for step in 0..=steps {
             let t_s = f64::from(step) / f64::from(STEPS_A_SECOND);
-            let report = player.show(Seconds(t_s), &self.standing.moment)?;
-            bytes += report.unit_bytes + report.page_bytes;
-            quiet = if report.unit_bytes > 0 { 0 } else { quiet + 1 };
+            let report = player.stand(Seconds(t_s), &self.standing.moment)?;
+            bytes += report.new_bytes + report.page_bytes;
+            quiet = if report.new_bytes > 0 { 0 } else { quiet + 1 };
             let found = match errors.take().filter(|_| quiet > 0) {
                 Some(found) => found,
                 None => self.errors(&self.picture(&mut player)?),
@@ -283,20 +274,20 @@ impl Watched<'_> {
     }
 
     /// What is there, in its place.
-    fn picture(&self, player: &mut ScenePlayer) -> anyhow::Result<RgbaImage> {
+    fn picture(&self, player: &mut Player) -> anyhow::Result<RgbaImage> {
         let picture = player.picture_in_place(&self.view)?;
         picture.context("nothing draws")
     }
 
     /// The same as the report shows it.
-    fn shown(&self, player: &mut ScenePlayer) -> anyhow::Result<RgbaImage> {
+    fn shown(&self, player: &mut Player) -> anyhow::Result<RgbaImage> {
         let picture = player.picture_in_place(&narrowed(&self.view, SHOWN_WIDTH))?;
         picture.context("nothing draws")
     }
 
     /// The levels of what is there.
-    fn levels(&self, player: &mut ScenePlayer) -> anyhow::Result<Option<Png>> {
-        let picture = player.picture_of_levels(&narrowed(&self.view, SHOWN_WIDTH))?;
+    fn levels(&self, player: &mut Player) -> anyhow::Result<Option<Png>> {
+        let picture = player.picture(&narrowed(&self.view, SHOWN_WIDTH), true)?;
         picture.as_ref().map(png).transpose()
     }
 
@@ -314,9 +305,9 @@ impl Watched<'_> {
     /// A picture of what is there, with what the judge says of it.
     fn moment(
         &self,
-        player: &mut ScenePlayer,
+        player: &mut Player,
         (t_s, bytes): (f64, u64),
-        report: &SceneReport,
+        report: &Made,
     ) -> anyhow::Result<LinkMoment> {
         let image = self.picture(player)?;
         let display = display_of_view(&self.view, Projection::Cube);
@@ -345,9 +336,9 @@ impl Watched<'_> {
     }
 
     /// All of it, with a ring round the gaze.
-    fn ringed(&self, whole: &mut ScenePlayer) -> anyhow::Result<Png> {
+    fn ringed(&self, whole: &mut Player) -> anyhow::Result<Png> {
         let view = narrowed(&self.view, SHOWN_WIDTH);
-        let mut picture = whole.picture(&view)?.context("nothing draws")?;
+        let mut picture = whole.picture(&view, false)?.context("nothing draws")?;
         let ring = marks(&view, &self.standing.gaze);
         draw_ring(&mut picture, ring.gaze, ring.gaze_radius);
         png(&picture)

@@ -6,7 +6,7 @@
 use crate::commands::demo::video::colours::of_level;
 use anyhow::Context;
 use foveal_core::content::video::grid::tile_grid::Tile;
-use foveal_play::Player;
+use foveal_play::FramePlayer;
 use foveal_render::RgbaImage;
 
 /// Pixels of the frame round a tile.
@@ -34,7 +34,7 @@ struct Layout {
 }
 
 /// The sheet of `tiles`, about `width` pixels wide.
-pub(crate) fn of(player: &mut Player, tiles: &[Tile], width: u32) -> anyhow::Result<Sheet> {
+pub(crate) fn of(player: &mut FramePlayer, tiles: &[Tile], width: u32) -> anyhow::Result<Sheet> {
     let grid = *player.grid();
     let mut tiles = tiles.to_vec();
     tiles.sort_by_key(|tile| (tile.level, grid.rank(*tile)));

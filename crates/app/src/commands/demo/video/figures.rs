@@ -3,7 +3,7 @@
 use crate::commands::demo::page::part::FigureRow;
 use crate::commands::demo::video::run::{COLUMNS, FULL, Played, PolicyRun, VIEWPORT};
 use crate::commands::score::ScoreReport;
-use crate::commands::simulate::RunSummary;
+use crate::commands::simulate::summary::RunSummary;
 use foveal_core::units::counted;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -8,7 +8,7 @@ use crate::report::output;
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Projection;
 use foveal_eval::score::{Mode, ScorePicture, Viewing};
-use foveal_play::{FrameReport, Player};
+use foveal_play::{FramePlayer, FrameReport};
 
 /// Pixels that are judged of a run: drawing them all would take a software driver minutes.
 const JUDGED_PIXELS: f64 = 16e6;
@@ -113,7 +113,7 @@ fn engine(viewing: &Viewing) -> anyhow::Result<Engine> {
 
 /// What the views of a frame show; `None` where nothing draws.
 pub(crate) fn pictures(
-    player: &mut Player,
+    player: &mut FramePlayer,
     views: &[EyeView],
 ) -> anyhow::Result<Option<Vec<ScorePicture>>> {
     let mut all = Vec::new();

@@ -2,12 +2,12 @@
 
 use crate::commands::demo::video::atlas_sheet;
 use crate::commands::demo::video::setup::PlaySetup;
-use crate::commands::simulate_pictures::marks;
+use crate::commands::simulate::pictures::marks;
 use crate::report::picture_file::png_bytes;
 use anyhow::{Context, bail};
 use foveal_core::content::policy::Policy;
 use foveal_core::view::eye_view::EyeView;
-use foveal_play::{FrameReport, Player};
+use foveal_play::{FramePlayer, FrameReport};
 use foveal_render::{Overlay, RgbaImage};
 
 /// Widths that are tried until the pictures of one content fit into the report; pixels.
@@ -42,7 +42,7 @@ pub(crate) struct Pictures {
 
 /// A player that shows one frame.
 pub(crate) struct ShownFrame {
-    player: Player,
+    player: FramePlayer,
     pub(crate) report: FrameReport,
 }
 
@@ -128,7 +128,7 @@ impl ShownFrame {
 
 /// What views show, each by itself, with marks where there are any.
 fn drawn(
-    player: &mut Player,
+    player: &mut FramePlayer,
     views: &[EyeView],
     marks: Option<&[Overlay]>,
 ) -> anyhow::Result<Vec<RgbaImage>> {

@@ -5,13 +5,14 @@ use crate::commands::demo::video::moment::PicturedMoment;
 use crate::commands::demo::video::pictures::Pictures;
 use crate::commands::demo::video::setup::PlaySetup;
 use crate::commands::score::ScoreReport;
-use crate::commands::simulate::{RunSummary, csv, session, summarise};
+use crate::commands::simulate::session;
+use crate::commands::simulate::summary::{RunSummary, csv, summarise};
 use crate::gaze_source::GazeSource;
 use crate::report::output::{self, Counting};
 use crate::run::source_frames::SourceFrames;
 use anyhow::Context;
 use foveal_core::content::policy::Policy;
-use foveal_play::{FrameReport, Player};
+use foveal_play::{FramePlayer, FrameReport};
 use foveal_render::DrawDevice;
 use std::path::Path;
 
@@ -200,7 +201,7 @@ impl Judging {
 
 /// A run that goes on.
 struct Run {
-    player: Player,
+    player: FramePlayer,
     gaze: GazeSource,
     against_full: Option<Scorer>,
     against_source: Option<Scorer>,

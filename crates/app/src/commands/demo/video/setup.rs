@@ -4,6 +4,7 @@ use crate::commands::demo::video::content::{FRAMES, Prepared};
 use crate::gaze_source::{GazeChoice, GazeSource, ViewerModel};
 use crate::options::policy::ViewOptions;
 use crate::options::policy_of_pack::cheaper_policy;
+use crate::report::output;
 use crate::run::open_player::open_player;
 use crate::run::shown_frames::ShownFrames;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
@@ -11,9 +12,8 @@ use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::mounted::MountedPanel;
 use foveal_core::view::surface::Surface;
-use foveal_play::{Decoding, Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
-use std::sync::Arc;
+use foveal_play::{FrameOptions, FramePlayer, PlayerOptions};
+use foveal_render::DrawDevice;
 
 /// Pictures of a still, and how many are shown a second: two seconds, six fixations.
 const STILL_PICTURES: u32 = 24;
@@ -99,7 +99,7 @@ impl<'a> PlaySetup<'a> {
     }
 
     /// A player at the first frame, and the gaze that all runs follow.
-    pub(crate) fn player(&self, policy: Policy) -> anyhow::Result<(Player, GazeSource)> {
+    pub(crate) fn player(&self, policy: Policy) -> anyhow::Result<(FramePlayer, GazeSource)> {
         let player = self.player_on(policy, self.panels.clone())?;
         let surface = player.grid().surface;
         let length = self.shown.time(self.pictures - 1, &player);
@@ -118,23 +118,17 @@ impl<'a> PlaySetup<'a> {
         &self,
         policy: Policy,
         panels: Vec<MountedPanel>,
-    ) -> anyhow::Result<Player> {
-        let options = PlayerOptions {
-            config: PolicyConfig {
-                target: policy.has_target().then_some(DEFAULT_TARGET),
-                ..PolicyConfig::new(policy)
-            },
-            view: self.view,
-            screen: self.conditions.view.screen,
-            drawing: self.conditions.drawing.clone(),
-            style: TileStyle::default(),
-            tell: crate::report::output::say,
-            paced: false,
-            judged: false,
-            bytes_per_s: f64::INFINITY,
-            decoding: Decoding::software(),
+    ) -> anyhow::Result<FramePlayer> {
+        let config = PolicyConfig {
+            target: policy.has_target().then_some(DEFAULT_TARGET),
+            ..PolicyConfig::new(policy)
         };
-        let player = open_player(Arc::clone(&self.content.file), options)?;
+        let player = PlayerOptions::new(config, self.conditions.drawing, output::say);
+        let options = FrameOptions {
+            screen: self.conditions.view.screen,
+            ..FrameOptions::new(player, self.view)
+        };
+        let player = open_player(&self.content.file, options)?;
         Ok(player.through(panels))
     }
 }

@@ -13,9 +13,8 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Screen;
 use foveal_eval::score::Viewing;
 use foveal_media::pack::pack_file::PackFile;
-use foveal_play::Decoding;
-use foveal_play::{FrameReport, Player, PlayerOptions};
-use foveal_render::{DrawDevice, TileStyle};
+use foveal_play::{FrameOptions, FramePlayer, FrameReport, PlayerOptions};
+use foveal_render::DrawDevice;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -40,7 +39,7 @@ pub(super) struct Comparison<'a> {
 
 /// A policy that is being played.
 struct Run {
-    player: Player,
+    player: FramePlayer,
     measure: Measure,
 }
 
@@ -114,19 +113,15 @@ impl Comparison<'_> {
         })
     }
 
-    fn player(&self, config: PolicyConfig, bytes_per_s: f64) -> anyhow::Result<Player> {
-        let options = PlayerOptions {
-            config,
-            view: self.view,
-            screen: self.screen,
-            drawing: self.drawing.clone(),
-            style: TileStyle::default(),
+    fn player(&self, config: PolicyConfig, bytes_per_s: f64) -> anyhow::Result<FramePlayer> {
+        let player = PlayerOptions {
             bytes_per_s,
-            paced: false,
-            judged: false,
-            tell: output::say,
-            decoding: Decoding::software(),
+            ..PlayerOptions::new(config, &self.drawing, output::say)
         };
-        open_player(Arc::clone(&self.file), options)
+        let options = FrameOptions {
+            screen: self.screen,
+            ..FrameOptions::new(player, self.view)
+        };
+        open_player(&self.file, options)
     }
 }

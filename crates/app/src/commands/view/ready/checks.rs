@@ -1,7 +1,7 @@
 //! Which options does a pack of a kind take?
 
 use crate::commands::view::args::ViewArgs;
-use crate::commands::view::looking::WindowGaze;
+use crate::commands::view::gaze_source::WindowGaze;
 use crate::gaze_source::GazeChoice;
 use crate::options::hold::moves;
 use crate::options::panels::{SAMPLES_ONE_VIEW, ShownRig};
@@ -10,7 +10,7 @@ use crate::options::showing::InterpolationName;
 use crate::report::output::WrongUsage;
 use anyhow::bail;
 use foveal_core::content::opened::Opened;
-use foveal_core::content::policy::Policy;
+use foveal_core::content::policy::{ImportanceSource, Policy, PolicyConfig};
 use foveal_core::units::counted;
 use foveal_media::pack::pack::Pack;
 
@@ -21,7 +21,7 @@ pub(super) fn before(
     rig: Option<&ShownRig>,
 ) -> anyhow::Result<ViewArgs> {
     let mut with = args.clone();
-    if pack.scene().is_some() {
+    if pack.facts().is_entered {
         args.presets.refuse_for_scene()?;
     }
     with.gaze = match &args.gaze {
@@ -54,18 +54,13 @@ pub(super) fn before(
 
 /// The policy that was asked for, or the usual one of this kind.
 pub(super) fn policy_of(args: &ViewArgs, pack: &Pack) -> anyhow::Result<PolicyOptions> {
-    let usual = match (args.demo, pack) {
-        (true, Pack::Video(file)) => match args.link {
-            None => {
-                let (policy, _) = args.policy.for_pack(file, &args.view)?;
-                return Ok(policy.under(policy.policy()));
-            }
-            Some(_) => Policy::Perceptual,
-        },
-        (false, _) => Policy::Viewport,
-        // The score of a scene is unknown, so a policy that buys by worth would buy all of it.
-        (true, Pack::Scene(_)) if args.link.is_none() => Policy::Acuity,
-        (true, Pack::Scene(_)) => Policy::Eccentricity,
+    let usual = match (args.demo, args.link, pack.video()) {
+        (false, ..) => Policy::Viewport,
+        (true, None, Some(file)) => {
+            let (policy, _) = args.policy.for_pack(file, &args.view)?;
+            return Ok(policy.under(policy.policy()));
+        }
+        (true, link, _) => pack.facts().usual_policies[usize::from(link.is_some())],
     };
     Ok(args.policy.under(args.policy.named().unwrap_or(usual)))
 }
@@ -73,20 +68,19 @@ pub(super) fn policy_of(args: &ViewArgs, pack: &Pack) -> anyhow::Result<PolicyOp
 /// Says what is wrong with the options for this kind, before a window is there.
 pub(super) fn check(args: &ViewArgs, opened: &Opened) -> anyhow::Result<()> {
     let config = args.policy.config()?;
-    match opened {
-        Opened::Video(video) => {
-            let about = video.pack().description();
-            if args.hold.is_some() && !about.is_still() {
-                let frames = counted(about.frames, "frame");
-                bail!(moves(&format!("a video of {frames}")));
-            }
-            check_thresholds(&config, video.grid())
-        }
-        Opened::Scene(_) => check_scene(args, opened, config.policy),
+    let content = opened.content();
+    if args.hold.is_some() && !content.timeline().is_still() {
+        let frames = counted(content.timeline().frames(), "frame");
+        bail!(moves(&format!("a {} of {frames}", opened.facts().noun)));
+    }
+    match opened.video() {
+        Some(video) => check_thresholds(&config, video.grid()),
+        None => check_scene(args, opened, &config),
     }
 }
 
-fn check_scene(args: &ViewArgs, opened: &Opened, policy: Policy) -> anyhow::Result<()> {
+fn check_scene(args: &ViewArgs, opened: &Opened, config: &PolicyConfig) -> anyhow::Result<()> {
+    let policy = config.policy;
     if let Some(why) = opened.why_not(policy) {
         let able = Policy::IN_TURN
             .into_iter()
@@ -99,6 +93,13 @@ fn check_scene(args: &ViewArgs, opened: &Opened, policy: Policy) -> anyhow::Resu
         )));
     }
     args.policy.refuse_score_of_scene(policy)?;
+    if config.importance == ImportanceSource::Rendered {
+        bail!(WrongUsage(
+            "--importance rendered: a window does not draw every level for each choice; leave it \
+             out, or take simulate"
+                .to_owned()
+        ));
+    }
     let style = args.showing.showing(InterpolationName::Blended);
     let of_tiles = [
         (style.has_textures, "--reconstruction textures"),

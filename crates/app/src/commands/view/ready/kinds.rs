@@ -4,7 +4,6 @@ use crate::commands::view::ready::Ready;
 use crate::commands::view::ready::opening::usable;
 use crate::commands::view::window::panes::RigPanes;
 use crate::options::panels::around_the_head;
-use foveal_core::content::opened::Opened;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::bounds::Bounds;
 use foveal_core::view::mounted::MountedPanel;
@@ -17,11 +16,6 @@ use foveal_render::{DrawDevice, Drawer, RenderError, TileStyle};
 const AROUND: u32 = 1024;
 
 impl Ready {
-    /// Whether one flies through what is shown.
-    pub(in crate::commands::view) fn in_scene(&self) -> bool {
-        self.opened.scene().is_some()
-    }
-
     /// The surface that a picture lies on; round a scene one that nothing lies on.
     pub(in crate::commands::view) fn surface(&self) -> Surface {
         match self.opened.video() {
@@ -33,7 +27,7 @@ impl Ready {
     /// Where its panels lie in the window, where there are any.
     pub(in crate::commands::view) fn panes(&self) -> Option<RigPanes> {
         let panels = self.panels.as_ref()?;
-        let mounted = match self.in_scene() {
+        let mounted = match self.opened.facts().is_entered {
             true => panels.iter().map(MountedPanel::of).collect(),
             false => around_the_head(panels),
         };
@@ -49,18 +43,16 @@ impl Ready {
     /// What chooses first.
     pub(in crate::commands::view) fn config(&self) -> anyhow::Result<PolicyConfig> {
         let config = self.args.policy.config()?;
-        match self.opened.video() {
-            Some(video) => usable(self.pack.path(), video, config, self.args.link),
-            None => Ok(config),
-        }
+        let has = self.opened.content().has();
+        usable(self.pack.path(), has, config, self.args.link)
     }
 
     /// What a session keeps below.
     pub(in crate::commands::view) fn bounds(&self) -> Bounds {
         let usual = Bounds::default();
-        match &self.opened {
-            Opened::Video(_) => usual,
-            Opened::Scene(_) => Bounds {
+        match self.opened.facts().has_tiles {
+            true => usual,
+            false => Bounds {
                 gpu: self.args.gpu_memory,
                 ..usual
             },
@@ -81,9 +73,6 @@ impl Ready {
         device: &DrawDevice,
         style: TileStyle,
     ) -> Result<Drawer, RenderError> {
-        match &self.opened {
-            Opened::Video(video) => Drawer::new(device, video, style),
-            Opened::Scene(scene) => Drawer::of_scene(device, scene, self.args.gpu_memory),
-        }
+        Drawer::of_opened(device, &self.opened, style, self.args.gpu_memory)
     }
 }

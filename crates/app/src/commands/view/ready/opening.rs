@@ -7,9 +7,7 @@ use crate::options::link::Link;
 use crate::report::output::say;
 use anyhow::anyhow;
 use anyhow::bail;
-use foveal_core::content::demand::Content;
-use foveal_core::content::policy::PolicyConfig;
-use foveal_core::content::video::Video;
+use foveal_core::content::policy::{HasTables, PolicyConfig};
 use foveal_core::units::Seconds;
 use std::path::Path;
 use std::sync::Arc;
@@ -51,11 +49,10 @@ pub(in crate::commands::view) fn open_window(
 /// to spend a link nothing can.
 pub(in crate::commands::view) fn usable(
     pack: &Path,
-    video: &Video,
+    has: HasTables,
     config: PolicyConfig,
     link: Option<Link>,
 ) -> anyhow::Result<PolicyConfig> {
-    let has = video.has();
     let usable = match has.signatures || link.is_some() && config.policy.spends_a_budget() {
         true => config.clone(),
         false => config.without_signatures(),

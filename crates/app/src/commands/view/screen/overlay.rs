@@ -22,22 +22,22 @@ pub(crate) type KeyLine = (&'static str, &'static str);
 
 /// A page over the picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Told {
+pub(crate) enum OverlayPage {
     Keys(Vec<KeyLine>),
     Figures(Vec<Line>),
 }
 
 /// Paints a page at the top left, and a message at the bottom.
-pub(crate) fn paint(painter: &Painter, told: Option<&Told>, message: Option<&str>) {
+pub(crate) fn paint(painter: &Painter, page: Option<&OverlayPage>, message: Option<&str>) {
     let whole = painter.clip_rect();
     let corner = whole.left_top() + vec2(GAP, GAP);
-    match told {
-        Some(Told::Keys(keys)) => {
+    match page {
+        Some(OverlayPage::Keys(keys)) => {
             let keys = Table::new(painter, keys.iter().map(|(key, what)| [*key, *what]));
             let width = keys.width;
             keys.paint(painter, corner, width);
         }
-        Some(Told::Figures(figures)) => {
+        Some(OverlayPage::Figures(figures)) => {
             let figures = figures.iter().map(|(what, value)| [what.as_str(), value]);
             let figures = Table::new(painter, figures);
             let width = figures.width.max(FIGURES_WIDTH);

@@ -3,8 +3,8 @@
 use super::Open;
 use crate::commands::view::keys::action_of;
 use crate::commands::view::screen::screenshot;
-use crate::commands::view::script::Deed;
-use crate::commands::view::window_player::Wish;
+use crate::commands::view::script::ScriptStep;
+use crate::commands::view::window_player::WindowRequest;
 use anyhow::Context;
 use foveal_core::units::Seconds;
 use foveal_core::view::flight::Steering;
@@ -19,9 +19,13 @@ const WHEEL_PIXELS: f64 = 60.0;
 const RESIZE_S: f64 = 1.0;
 
 impl Open {
-    pub(super) fn event(&mut self, event: WindowEvent, now: Seconds) -> anyhow::Result<Wish> {
+    pub(super) fn event(
+        &mut self,
+        event: WindowEvent,
+        now: Seconds,
+    ) -> anyhow::Result<WindowRequest> {
         match event {
-            WindowEvent::CloseRequested | WindowEvent::Destroyed => return Ok(Wish::Quit),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => return Ok(WindowRequest::Quit),
             WindowEvent::Resized(size) => self.resized([size.width, size.height]),
             WindowEvent::ScaleFactorChanged { .. } => self.stale = true,
             WindowEvent::Occluded(hidden) => {
@@ -48,21 +52,25 @@ impl Open {
             WindowEvent::RedrawRequested => self.draw(now)?,
             _ => {}
         }
-        Ok(Wish::Nothing)
+        Ok(WindowRequest::Nothing)
     }
 
-    fn key(&mut self, event: &KeyEvent, now: Seconds) -> anyhow::Result<Wish> {
+    fn key(&mut self, event: &KeyEvent, now: Seconds) -> anyhow::Result<WindowRequest> {
         let is_pressed = event.state == ElementState::Pressed;
         // What Shift makes of a key that is let go counts for nothing: it may not have been held.
         let with_shift = self.with_shift && is_pressed;
-        match action_of(&event.logical_key, with_shift, self.ready.in_scene()) {
+        match action_of(
+            &event.logical_key,
+            with_shift,
+            self.ready.opened.facts().is_entered,
+        ) {
             Some(action @ (Action::Fly(_) | Action::Saccade)) => {
                 self.hold(action, is_pressed, now);
             }
             Some(action) if is_pressed => return self.act(action, now),
             _ => {}
         }
-        Ok(Wish::Nothing)
+        Ok(WindowRequest::Nothing)
     }
 
     /// A key does what it does from now on, or no longer.
@@ -132,23 +140,23 @@ impl Open {
         }
     }
 
-    fn act(&mut self, action: Action, now: Seconds) -> anyhow::Result<Wish> {
+    fn act(&mut self, action: Action, now: Seconds) -> anyhow::Result<WindowRequest> {
         self.stale = true;
         let Some(pane) = self.pane() else {
             return Ok(if action == Action::Quit {
-                Wish::Quit
+                WindowRequest::Quit
             } else {
-                Wish::Nothing
+                WindowRequest::Nothing
             });
         };
-        let wish = self.player.act(action, &pane, now);
-        match wish {
-            Wish::FullScreen => {
+        let request = self.player.act(action, &pane, now);
+        match request {
+            WindowRequest::FullScreen => {
                 let full = self.window.fullscreen().is_some();
                 let wanted = (!full).then_some(Fullscreen::Borderless(None));
                 self.window.set_fullscreen(wanted);
             }
-            Wish::Screenshot => {
+            WindowRequest::Screenshot => {
                 let folder = self.ready.args.screenshots.as_deref();
                 let frame = self.player.live.session().shown_tick().unwrap_or(0);
                 let frame = self.player.live.session().timeline().frame_of(frame);
@@ -159,21 +167,25 @@ impl Open {
                 };
                 self.player.say(said, now);
             }
-            Wish::Quit | Wish::Nothing => {}
+            WindowRequest::Quit | WindowRequest::Nothing => {}
         }
-        Ok(wish)
+        Ok(request)
     }
 
-    pub(super) fn perform(&mut self, deed: Deed, now: Seconds) -> anyhow::Result<Wish> {
-        match deed {
-            Deed::Key(action) => return self.act(action, now),
-            Deed::Hold(action, is_held) => self.hold(action, is_held, now),
-            Deed::Move(place) => self.point(place),
-            Deed::Leave => self.player.viewer.pointer.leave(now),
-            Deed::Drag(by) => self.drag(by),
-            Deed::Wheel(steps) => self.wheel(steps),
-            Deed::Resize(size) => self.ask_size(size, now),
-            Deed::Screenshot(name) => {
+    pub(super) fn perform(
+        &mut self,
+        step: ScriptStep,
+        now: Seconds,
+    ) -> anyhow::Result<WindowRequest> {
+        match step {
+            ScriptStep::Key(action) => return self.act(action, now),
+            ScriptStep::Hold(action, is_held) => self.hold(action, is_held, now),
+            ScriptStep::Move(place) => self.point(place),
+            ScriptStep::Leave => self.player.viewer.pointer.leave(now),
+            ScriptStep::Drag(by) => self.drag(by),
+            ScriptStep::Wheel(steps) => self.wheel(steps),
+            ScriptStep::Resize(size) => self.ask_size(size, now),
+            ScriptStep::Screenshot(name) => {
                 let folder = self.ready.args.screenshots.as_deref();
                 let path = folder.map_or(name.clone(), |folder| folder.join(&name));
                 let pane = self
@@ -181,14 +193,14 @@ impl Open {
                     .context("a window without pixels has no picture")?;
                 self.screenshot(&pane, &path)?;
             }
-            Deed::Settle => {}
-            Deed::LoseDevice => {
+            ScriptStep::Settle => {}
+            ScriptStep::LoseDevice => {
                 self.screen.gpu().device.destroy();
                 self.stale = true;
             }
-            Deed::Quit => return Ok(Wish::Quit),
+            ScriptStep::Quit => return Ok(WindowRequest::Quit),
         }
-        Ok(Wish::Nothing)
+        Ok(WindowRequest::Nothing)
     }
 
     /// Asks for another size; no pixels at all are what a system gives a window that it hides.

@@ -123,6 +123,21 @@ impl VideoPack {
         self.grid.tile_at(level, within % tiles)
     }
 
+    /// What errors call the chunk of a unit.
+    #[must_use]
+    pub fn chunk_name(&self, unit: UnitId) -> String {
+        let (tile, frames) = (self.tile_of(unit), self.frames_of(unit));
+        format!(
+            "chunk of level {}, face {}, column {}, row {}, frames {}-{}",
+            tile.level,
+            tile.face,
+            tile.x,
+            tile.y,
+            frames.start,
+            frames.end - 1
+        )
+    }
+
     /// The frames that a unit holds.
     #[must_use]
     pub fn frames_of(&self, unit: UnitId) -> Range<u32> {

@@ -8,7 +8,9 @@ use crate::content::video::bytes::codec::Codec;
 use crate::content::video::bytes::rate::QualityScale;
 use crate::content::video::grid::tile_grid::{Cut, Tile};
 use crate::pack::unit::UnitId;
-use crate::pack::{Entry, HEADER_BYTES, Header, Identity, PackError, SideTable, check_crc, u32_at};
+use crate::pack::{
+    Entry, HEADER_BYTES, Header, Identity, PackError, SideTable, UnitPlace, check_crc, u32_at,
+};
 use crate::view::picture::{Colour, Matrix};
 use crate::view::surface::{Mapping, Projection, Screen};
 
@@ -139,9 +141,10 @@ fn pages_of_the_index_come_in_any_order_and_tell_the_same() {
         assert!(part.index().add_page(page + 1, page_bytes).is_err());
         let of_page = |unit: &UnitId| part.index().numbers().page_of(*unit) == page;
         let unit = part.units().find(of_page).unwrap();
-        assert_eq!(part.index().known_entry(unit), None);
+        let on_page = UnitPlace::OnPage { page, range: place };
+        assert_eq!(part.index().place(unit), on_page);
         part.index().add_page(page, page_bytes).unwrap();
-        assert_eq!(part.index().known_entry(unit), Some(whole.entry(unit)));
+        assert_eq!(part.index().place(unit), UnitPlace::At(whole.entry(unit)));
     }
     assert_eq!(part, whole);
 }

@@ -1,0 +1,4 @@
+//! Files in, a pack out.
+
+pub(crate) mod scene;
+pub(crate) mod video;
