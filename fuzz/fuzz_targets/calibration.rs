@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use foveal_core::content::calibration::Expectation;
+use foveal_core::content::policy::calibration::Expectation;
 use foveal_core::content::video::bytes::calibration_table::CALIBRATION_VERSION;
 use foveal_core::content::video::calibration::{Calibration, ZoneLosses};
 use foveal_core::units::Ppd;

@@ -3,8 +3,8 @@
 use crate::counting;
 use crate::looking;
 use crate::made_video;
-use foveal_core::content::asked::Detail;
 use foveal_core::content::demand::Content;
+use foveal_core::content::policy::asked::Detail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::actions::{Pace, SessionEvent};
 use foveal_core::session::bounds::Bounds;

@@ -6,9 +6,9 @@ mod looking;
 mod made_video;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use foveal_core::content::asked::Detail;
 use foveal_core::content::demand::Content;
 use foveal_core::content::policy::Policy;
+use foveal_core::content::policy::asked::Detail;
 use foveal_core::pack::PackError;
 use foveal_core::session::actions::Pace;
 use foveal_core::session::bounds::Bounds;

@@ -1,7 +1,7 @@
 //! A pack and a gaze in, a PNG out: `cargo run -p foveal-play --example picture PACK YAW PITCH
 //! OUT`; the gaze in degrees right of and above the content's forward.
 
-use foveal_core::content::{asked::Detail, policy::Policy};
+use foveal_core::content::policy::{Policy, asked::Detail};
 use foveal_core::gaze::sample::{GazeSample, HeadPose};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::eye_view::EyeView;

@@ -14,7 +14,7 @@ use crate::under::Under;
 use foveal_core::content::demand::Content;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::scene::Scene;
-use foveal_core::content::scene::showing::StepWitness;
+use foveal_core::content::scene::showing::VisibleSteps;
 #[cfg(not(target_arch = "wasm32"))]
 use foveal_core::content::scene::worth::shares_of_worth;
 use foveal_core::pack::unit::UnitId;
@@ -78,7 +78,7 @@ impl DrawnScene {
             level: self.scene.pack().level_of(unit),
             needs: self.scene.needs(unit),
             part: row.replaces.first().map(|it| it.part),
-            says: payload.view(),
+            payload: payload.view(),
         })
     }
 
@@ -127,7 +127,7 @@ impl DrawnScene {
         if !was_any && came.is_empty() {
             return false;
         }
-        let witness = StepWitness::new(&now.moment);
+        let witness = VisibleSteps::new(&now.moment);
         self.morphs.advance(&witness, now.wall);
         for unit in came {
             self.morphs.begin(&self.scene, *unit, &witness, now.wall);

@@ -68,7 +68,7 @@ impl SceneDrawer {
     /// # Errors
     /// It does not fit to what is there or into the GPU's memory: nothing changed then.
     pub fn upload(&mut self, coming: &Coming<'_>) -> Result<bool, RenderError> {
-        if coming.says.morphs() {
+        if coming.payload.morphs() {
             self.measuring.forget();
         }
         match &mut self.engine {

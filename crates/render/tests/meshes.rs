@@ -7,7 +7,7 @@ use crate::common::torus::{
 use crate::common::{Seeded, bytes_of, share_beyond, write_png};
 use foveal_core::content::mesh::payload::{Attributes, MeshUnit};
 use foveal_core::content::payload::PayloadView;
-use foveal_core::content::scene::description::{SceneLook, SceneObject};
+use foveal_core::content::scene::description::{Backdrop, SceneObject};
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::perception::footprints::Footprint;
@@ -51,9 +51,9 @@ impl Torus {
 
     fn coming(&self) -> impl Iterator<Item = Coming<'_>> {
         let numbered = self.units.iter().zip(0..);
-        numbered.map(|(says, unit)| match unit {
-            0 => coming_root(says),
-            _ => coming(unit, says),
+        numbered.map(|(payload, unit)| match unit {
+            0 => coming_root(payload),
+            _ => coming(unit, payload),
         })
     }
 
@@ -196,9 +196,9 @@ fn clusters_that_show_their_backs_are_left_out_unless_both_sides_are_seen() {
             }],
             units: units.clone(),
         };
-        let roots = units.iter().zip(0..).map(|(says, unit)| Coming {
+        let roots = units.iter().zip(0..).map(|(payload, unit)| Coming {
             unit: UnitId(unit),
-            ..coming_root(says)
+            ..coming_root(payload)
         });
         let mut layer = SceneLayer::new(&gpu, &torus.objects, &[], MOST_BYTES).unwrap();
         let mut twin = TwinScene::new(&torus.objects, &[]);
@@ -294,8 +294,8 @@ fn units_come_and_go_as_long_as_their_bytes_fit() {
             ..object(ALL)
         })
         .collect();
-    let says = [root(), refinement(&[5, 6]), refinement(&[9, 13, 8])];
-    let most = 40 * unit_bytes(&says[0]);
+    let payload = [root(), refinement(&[5, 6]), refinement(&[9, 13, 8])];
+    let most = 40 * unit_bytes(&payload[0]);
     let mut layer = SceneLayer::new(&gpu, &objects, &[], most).unwrap();
     let mut twin = TwinScene::new(&objects, &[]);
     let mut there: BTreeMap<u32, u64> = BTreeMap::new();
@@ -318,21 +318,21 @@ fn units_come_and_go_as_long_as_their_bytes_fit() {
         if which != 0 && !there.contains_key(&first) {
             continue;
         }
-        let says = &says[which as usize];
+        let payload = &payload[which as usize];
         let coming = Coming {
             unit: UnitId(unit),
             object,
             level: u8::from(which == 0),
             needs: &needs[..usize::from(which != 0)],
             part: None,
-            says: PayloadView::Mesh(says),
+            payload: PayloadView::Mesh(payload),
         };
-        let bytes = there.values().sum::<u64>() + unit_bytes(says);
+        let bytes = there.values().sum::<u64>() + unit_bytes(payload);
         match layer.upload(&coming) {
             Ok(is_there) => {
                 assert!(is_there && bytes <= most);
                 twin.upload(&coming).unwrap();
-                there.insert(unit, unit_bytes(says));
+                there.insert(unit, unit_bytes(payload));
             }
             Err(RenderError::NoRoom { .. }) => {
                 assert!(bytes > most, "{bytes} of {most} did not fit");
@@ -499,7 +499,7 @@ fn background_and_light_are_those_of_the_style() {
     let gpu = Gpu::open_blocking().unwrap();
     let view = from_above(SIZE);
     let lit_from = |light| SceneStyle {
-        look: SceneLook {
+        look: Backdrop {
             background: [0.0144, 0.0513, 1.0],
             light,
         },

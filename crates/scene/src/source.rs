@@ -1,7 +1,7 @@
 //! What was read of 3D files?
 
 use foveal_core::content::images::wrap::Wrap;
-use foveal_core::content::scene::description::SceneLook;
+use foveal_core::content::scene::description::Backdrop;
 use foveal_core::units::one_line;
 use glam::{DAffine2, DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -124,9 +124,9 @@ impl SourceScene {
 
     /// What is round its objects, as far as files say it.
     #[must_use]
-    pub fn look(&self) -> SceneLook {
-        let usual = SceneLook::default();
-        SceneLook {
+    pub fn look(&self) -> Backdrop {
+        let usual = Backdrop::default();
+        Backdrop {
             background: self.background.unwrap_or(usual.background),
             light: self.light.map_or(usual.light, |light| light.to_array()),
         }

@@ -1,7 +1,7 @@
 //! What does a page ask for when it opens a pack?
 
-use foveal_core::content::asked::{Detail, SLOPES, Target};
 use foveal_core::content::policy::Policy;
+use foveal_core::content::policy::asked::{Detail, SLOPES, Target};
 use foveal_core::view::surface::Screen;
 use serde::Deserialize;
 

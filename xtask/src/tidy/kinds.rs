@@ -11,8 +11,9 @@ use super::source::file::Scope;
 use super::source::modules::Modules;
 use super::tree::Tree;
 
-/// Each folder is a kind.
+/// Each folder is a kind, but for what chooses among all of them.
 const KINDS: &str = "crates/core/src/content/";
+const NO_KIND: &str = "policy";
 /// Kinds of assets, which programs open apart. All others are units of a scene.
 const ASSETS: [&str; 2] = ["scene", "video"];
 /// How else a kind is called: its room where it is drawn, and variants of [`ENUMS`].
@@ -164,7 +165,7 @@ fn kinds(tree: &Tree) -> Vec<Kind<'_>> {
         .files()
         .filter_map(|(path, _)| path.strip_prefix(KINDS));
     let folders = inside.filter_map(|path| Some(path.split_once('/')?.0));
-    let folders: BTreeSet<&str> = folders.collect();
+    let folders: BTreeSet<&str> = folders.filter(|it| *it != NO_KIND).collect();
     folders.into_iter().map(Kind::new).collect()
 }
 

@@ -5,7 +5,7 @@ use crate::options::policy_choice::{PolicyChoice, policy_choice_parser};
 use crate::report::output::{WrongUsage, out_of_range};
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
-use foveal_core::content::asked::{SLOPES, TARGETS};
+use foveal_core::content::policy::asked::{SLOPES, TARGETS};
 use foveal_core::content::policy::{
     DEFAULT_TARGET, EdgeRule, ImportanceSource, MASK_SIDE, MaskConfig, Policy, PolicyConfig,
     STEADINESS,

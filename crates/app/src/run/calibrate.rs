@@ -17,7 +17,7 @@ use crate::report::output::{self, Counting};
 use crate::run::in_parallel::in_parallel;
 use crate::run::open_player::open_player;
 use anyhow::Context;
-use foveal_core::content::calibration::Expectation;
+use foveal_core::content::policy::calibration::Expectation;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::content::video::calibration::{Calibration, CalibrationRow};
 use foveal_core::content::video::grid::tile_grid::Tile;

@@ -30,8 +30,9 @@ fn units(built: &Built) -> Vec<MeshUnit> {
 
 fn finest(built: &Built, units: &[MeshUnit]) -> Vec<[MeshVertex; 3]> {
     let mut cut = MeshCut::default();
-    for ((number, unit), says) in (0..).zip(&built.units).zip(units) {
-        cut.insert(UnitId(number), &unit.row.needs, says).unwrap();
+    for ((number, unit), payload) in (0..).zip(&built.units).zip(units) {
+        cut.insert(UnitId(number), &unit.row.needs, payload)
+            .unwrap();
     }
     let drawn = cut.drawn();
     drawn
@@ -41,14 +42,14 @@ fn finest(built: &Built, units: &[MeshUnit]) -> Vec<[MeshVertex; 3]> {
 
 fn twin(built: &Built, units: &[MeshUnit]) -> TwinScene {
     let mut twin = TwinScene::new(&built.objects, &built.textures);
-    for ((number, unit), says) in (0..).zip(&built.units).zip(units) {
+    for ((number, unit), payload) in (0..).zip(&built.units).zip(units) {
         let coming = Coming {
             unit: UnitId(number),
             object: unit.row.object,
             level: unit.level,
             needs: &unit.row.needs,
             part: None,
-            says: PayloadView::Mesh(says),
+            payload: PayloadView::Mesh(payload),
         };
         twin.upload(&coming).unwrap();
     }

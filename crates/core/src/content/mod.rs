@@ -1,8 +1,6 @@
 //! What can be shown: kinds of content, in units that selection weighs.
 
-pub mod asked;
 mod bits;
-pub mod calibration;
 pub mod demand;
 pub mod head;
 pub mod images;
@@ -10,7 +8,6 @@ pub mod mesh;
 pub mod opened;
 pub mod payload;
 pub mod points;
-pub mod policies;
 pub mod policy;
 pub mod scene;
 pub mod scripted;

@@ -187,8 +187,8 @@ impl SceneFile {
             if read.is_err() {
                 check.miss(unit);
             }
-            damage.add(read.and_then(|says| {
-                let fits = check.add(unit, &says);
+            damage.add(read.and_then(|payload| {
+                let fits = check.add(unit, &payload);
                 fits.map_err(|source| self.open.format(source))
             }));
             done += u64::from(self.pack().entry(unit).bytes);

@@ -153,14 +153,14 @@ impl MeshLayer {
 
 impl KindLayer for MeshLayer {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Mesh(_))
+        matches!(coming.payload, PayloadView::Mesh(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
-        let PayloadView::Mesh(says) = coming.says else {
+        let PayloadView::Mesh(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
-        if self.show(coming.unit) || !self.units.insert(coming, says)? {
+        if self.show(coming.unit) || !self.units.insert(coming, payload)? {
             return Ok(true);
         }
         if let Err(error) = self.memory.insert(&mut self.units, coming.unit, left) {

@@ -34,10 +34,10 @@ pub(crate) const NO_UNIT: u32 = u32::MAX;
 
 /// Bytes of GPU memory that a unit takes.
 #[must_use]
-pub fn unit_bytes(says: &MeshUnit) -> u64 {
-    let clusters = says.clusters.iter();
+pub fn unit_bytes(payload: &MeshUnit) -> u64 {
+    let clusters = payload.clusters.iter();
     let words = clusters.map(|it| words_of(it.vertices.len(), it.triangles.len()));
-    says.vertices.len() as u64 * VERTEX_BYTES + u64::from(words.sum::<u32>()) * WORD_BYTES
+    payload.vertices.len() as u64 * VERTEX_BYTES + u64::from(words.sum::<u32>()) * WORD_BYTES
 }
 
 fn words_of(vertices: usize, triangles: usize) -> u32 {

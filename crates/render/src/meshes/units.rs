@@ -105,15 +105,15 @@ impl MeshUnits {
     pub(crate) fn insert(
         &mut self,
         coming: &Coming<'_>,
-        says: &MeshUnit,
+        payload: &MeshUnit,
     ) -> Result<bool, RenderError> {
         let Coming { unit, needs, .. } = *coming;
         if self.notes.contains_key(&unit) {
             return Ok(false);
         }
         self.check(coming)?;
-        let placed = self.cut.insert(unit, needs, says)?;
-        let named = says.replaces.iter();
+        let placed = self.cut.insert(unit, needs, payload)?;
+        let named = payload.replaces.iter();
         let replaces = named.map(|it| (needs[usize::from(it.need)], it.part));
         let note = UnitNote {
             object: coming.object,

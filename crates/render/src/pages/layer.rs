@@ -91,18 +91,18 @@ impl PageLayer {
 
 impl KindLayer for PageLayer {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Image(_))
+        matches!(coming.payload, PayloadView::Image(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
-        let PayloadView::Image(says) = coming.says else {
+        let PayloadView::Image(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
         let Coming { unit, needs, .. } = *coming;
         if self.table.show_again(unit) || self.table.is_there(unit) {
             return Ok(true);
         }
-        let pictures = self.table.pictures_of(unit, needs, says)?;
+        let pictures = self.table.pictures_of(unit, needs, payload)?;
         let mut slots = Vec::new();
         for picture in &pictures {
             let Some(slot) = self.take_slot(left.held) else {
@@ -113,7 +113,7 @@ impl KindLayer for PageLayer {
             slots.push(slot);
         }
         self.table
-            .insert(unit, needs, (says.texture, says.page), slots);
+            .insert(unit, needs, (payload.texture, payload.page), slots);
         Ok(true)
     }
 

@@ -183,13 +183,15 @@ impl PageTable {
         &self,
         unit: UnitId,
         needs: &[UnitId],
-        says: &ImagePage,
+        payload: &ImagePage,
     ) -> Result<Vec<TexturePicture>, RenderError> {
-        let texture = self.check(unit, needs, (says.texture, says.page))?;
+        let texture = self.check(unit, needs, (payload.texture, payload.page))?;
         let shape = shape_of(texture);
         let has_tail = needs.is_empty() && shape.levels() > shape.root() + 1;
-        let tail = has_tail.then(|| tail_of(&says.picture, &shape, texture.wrap));
-        Ok(std::iter::once(says.picture.clone()).chain(tail).collect())
+        let tail = has_tail.then(|| tail_of(&payload.picture, &shape, texture.wrap));
+        Ok(std::iter::once(payload.picture.clone())
+            .chain(tail)
+            .collect())
     }
 
     /// Adds a page that [`Self::check`] accepts, and where it lies.

@@ -143,14 +143,14 @@ impl PointLayer {
 
 impl KindLayer for PointLayer {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Points(_))
+        matches!(coming.payload, PayloadView::Points(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
-        let PayloadView::Points(says) = coming.says else {
+        let PayloadView::Points(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
-        if self.show(coming.unit) || !self.units.insert(coming, says)? {
+        if self.show(coming.unit) || !self.units.insert(coming, payload)? {
             return Ok(true);
         }
         self.make_place(coming.unit);

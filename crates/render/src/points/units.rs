@@ -49,7 +49,7 @@ impl CloudUnits {
     pub(crate) fn insert(
         &mut self,
         coming: &Coming<'_>,
-        says: &PointUnit,
+        payload: &PointUnit,
     ) -> Result<bool, RenderError> {
         let Coming { unit, object, .. } = *coming;
         let refines = coming.needs.first().copied().zip(coming.part);
@@ -70,7 +70,7 @@ impl CloudUnits {
                 return Err(misfit("prerequisite", parent.0.to_string(), expected));
             }
         }
-        self.cut.insert(unit, refines, says, &cloud)?;
+        self.cut.insert(unit, refines, payload, &cloud)?;
         let note = CloudNote {
             object,
             level: coming.level,

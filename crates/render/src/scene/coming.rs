@@ -22,5 +22,5 @@ pub struct Coming<'a> {
     /// cloud.
     pub part: Option<u8>,
     /// What it says.
-    pub says: PayloadView<'a>,
+    pub payload: PayloadView<'a>,
 }

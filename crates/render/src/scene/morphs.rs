@@ -5,7 +5,7 @@
 
 use foveal_core::content::demand::Content;
 use foveal_core::content::scene::Scene;
-use foveal_core::content::scene::showing::StepWitness;
+use foveal_core::content::scene::showing::VisibleSteps;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::units::Seconds;
 use std::collections::BTreeMap;
@@ -35,7 +35,7 @@ impl Morphs {
         &mut self,
         scene: &Scene,
         unit: UnitId,
-        witness: &StepWitness,
+        witness: &VisibleSteps,
         now: Seconds,
     ) {
         self.begun.remove(&unit);
@@ -55,7 +55,7 @@ impl Morphs {
     }
 
     /// Lets those arrive whose time is over at `now`, and all where the viewer does not see it.
-    pub(crate) fn advance(&mut self, witness: &StepWitness, now: Seconds) {
+    pub(crate) fn advance(&mut self, witness: &VisibleSteps, now: Seconds) {
         let is_under_way = |begun: &Seconds| now.0 - begun.0 < WAY.0;
         self.begun
             .retain(|_, begun| !witness.is_blind() && is_under_way(begun));

@@ -4,7 +4,7 @@
 //! `tests/shaders.rs` compares them.
 
 use bytemuck::{Pod, Zeroable};
-use foveal_core::content::scene::description::SceneLook;
+use foveal_core::content::scene::description::Backdrop;
 use foveal_core::perception::luminance::linear_from_srgb;
 use foveal_core::view::eye_view::EyeView;
 use glam::DVec3;
@@ -58,7 +58,7 @@ pub struct SceneStyle {
     /// Depth in metres from which on things are drawn; more than 0.
     pub near: f64,
     /// What is seen where nothing stands, and where light comes from.
-    pub look: SceneLook,
+    pub look: Backdrop,
 }
 
 impl SceneStyle {
@@ -87,7 +87,7 @@ impl Default for SceneStyle {
             culls: Culling::ALL,
             tint: 0.0,
             near: 0.01,
-            look: SceneLook::default(),
+            look: Backdrop::default(),
         }
     }
 }

@@ -68,8 +68,8 @@ impl BoxLayer {
 }
 
 fn box_of<'a>(coming: &Coming<'a>) -> Option<&'a BoxUnit> {
-    match coming.says {
-        PayloadView::Other(says) => says.0.downcast_ref(),
+    match coming.payload {
+        PayloadView::Other(payload) => payload.0.downcast_ref(),
         _ => None,
     }
 }
@@ -92,10 +92,10 @@ impl KindLayer for BoxLayer {
     }
 
     fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
-        let says = box_of(coming).ok_or(RenderError::OtherKind)?;
+        let payload = box_of(coming).ok_or(RenderError::OtherKind)?;
         let fits = self.taken().used + GPU_BYTES <= left.used;
         if fits {
-            self.units.insert(coming.unit, says.0);
+            self.units.insert(coming.unit, payload.0);
         }
         Ok(fits)
     }

@@ -51,7 +51,7 @@ fn perform(
                     level: place_of(unit.0).0,
                     needs: &[],
                     part: None,
-                    says: payload.view(),
+                    payload: payload.view(),
                 };
                 assert!(layer.upload(&coming).unwrap());
                 continue;

@@ -69,13 +69,13 @@ pub fn units() -> [PointUnit; 2] {
     [root, fine]
 }
 
-pub fn coming<'a>(unit: UnitId, says: &'a PointUnit, object: u16) -> Coming<'a> {
+pub fn coming<'a>(unit: UnitId, payload: &'a PointUnit, object: u16) -> Coming<'a> {
     Coming {
         unit,
         object,
         level: u8::from(unit == ROOT),
         needs: if unit == FINE { &[ROOT] } else { &[] },
         part: (unit == FINE).then_some(OCTANT),
-        says: PayloadView::Points(says),
+        payload: PayloadView::Points(payload),
     }
 }

@@ -118,7 +118,7 @@ impl PlatePage {
             level: self.page.page.level,
             needs: &self.needs,
             part: None,
-            says: PayloadView::Image(&self.page),
+            payload: PayloadView::Image(&self.page),
         }
     }
 }

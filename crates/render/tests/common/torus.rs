@@ -173,26 +173,26 @@ pub const ALL: Attributes = Attributes {
 };
 
 /// The root of an object, ready to be uploaded.
-pub fn coming_root(says: &MeshUnit) -> Coming<'_> {
+pub fn coming_root(payload: &MeshUnit) -> Coming<'_> {
     Coming {
         unit: ROOT,
         object: 0,
         level: 1,
         needs: &[],
         part: None,
-        says: PayloadView::Mesh(says),
+        payload: PayloadView::Mesh(payload),
     }
 }
 
 /// A unit that refines the root, ready to be uploaded.
-pub fn coming(unit: u32, says: &MeshUnit) -> Coming<'_> {
+pub fn coming(unit: u32, payload: &MeshUnit) -> Coming<'_> {
     Coming {
         unit: UnitId(unit),
         object: 0,
         level: 0,
         needs: &[ROOT],
         part: None,
-        says: PayloadView::Mesh(says),
+        payload: PayloadView::Mesh(payload),
     }
 }
 

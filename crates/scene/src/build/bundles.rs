@@ -3,7 +3,7 @@
 //! The root of every object is always there. Of a model of very many small parts that would be all
 //! of it; parts that are joined have one root together, and are refined where they are seen.
 
-use super::mesh::check;
+use super::mesh::grid_mesh::check;
 use crate::source::{SourceMesh, SourceObject, SourceScene};
 use glam::{DAffine3, DMat3, DVec3};
 use rayon::prelude::*;

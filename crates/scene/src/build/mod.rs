@@ -8,19 +8,14 @@
 mod built;
 mod bundles;
 mod cloud;
-mod clusters;
-mod graph;
-mod groups;
 mod joined;
 mod mesh;
 mod numbering;
 mod pages;
 mod pyramid;
 mod regions;
-mod simplify;
 mod sphere;
 mod textures;
-mod units;
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -30,8 +25,8 @@ pub use built::{BuildError, BuildOptions, Built, BuiltUnit};
 use foveal_core::content::scene::description::{GRID_BITS, JoinedParts, MOST_OBJECTS};
 use glam::DVec3;
 use joined::{Graphed, joined};
-pub(crate) use mesh::codes_from_linear;
-use mesh::{GridMesh, grid_mesh};
+pub(crate) use mesh::grid_mesh::codes_from_linear;
+use mesh::grid_mesh::{GridMesh, grid_mesh};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use textures::ShownImages;
@@ -104,7 +99,7 @@ fn build_here(
     };
     let graphs: Vec<_> = meshes
         .par_iter_mut()
-        .map(|it| graph::build(it, &step))
+        .map(|it| mesh::graph::build(it, &step))
         .collect();
     let permissive = graphs.iter().map(|graph| graph.permissive).sum();
     count(&mut repairs, "permissive_groups", permissive);
@@ -112,7 +107,7 @@ fn build_here(
     let light = options.signatures.then_some(light);
     let pages = pages::write(source, &shown, &mut meshes, options.exact)?;
     count(&mut repairs, "missing_images", shown.missing + pages.broken);
-    let (units, levels) = units::write(&meshes, &graphs, &pages.all, light)?;
+    let (units, levels) = mesh::units::write(&meshes, &graphs, &pages.all, light)?;
     let objects = meshes.into_iter().map(|mesh| (mesh.object, mesh.parts));
     let (mut objects, mut parts): (Vec<_>, Vec<_>) = objects.unzip();
     drop(graphs);

@@ -1,7 +1,7 @@
 //! Which units does each texture become?
 
 use super::built::{BuildError, BuiltUnit};
-use super::mesh::GridMesh;
+use super::mesh::grid_mesh::GridMesh;
 use super::pyramid::{BAND_ROWS, PageLevels, PageMaker};
 use super::regions::{ShownRegion, regions};
 use super::sphere::LocalSphere;

@@ -1,6 +1,6 @@
 //! Which part of a surface shows each page of a texture, and how large are texels there?
 
-use super::mesh::GridMesh;
+use super::mesh::grid_mesh::GridMesh;
 use super::sphere::LocalSphere;
 use super::textures::ShownImage;
 use foveal_core::content::images::shape::{PAGE_SIDE, PagePlace, TextureShape};

@@ -70,8 +70,8 @@ pub fn check_cuts<E: From<PackError>>(
 ) -> Result<CutReport, E> {
     let mut cut = MeshCut::default();
     for ((_, row), number) in rows.iter().zip(0..) {
-        let says = payload_of(UnitId(number))?;
-        cut.insert(UnitId(number), &row.needs, &says)?;
+        let payload = payload_of(UnitId(number))?;
+        cut.insert(UnitId(number), &row.needs, &payload)?;
     }
     let chains = Chains::new(&cut, rows);
     let mut random = Random::new(trial.seed);

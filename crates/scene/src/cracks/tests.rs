@@ -100,8 +100,8 @@ fn odd_edges_are_those_of_what_is_drawn() {
         assert_eq!(order.len(), rows.len());
         for (place, unit) in order.into_iter().enumerate() {
             let id = UnitId(unit as u32);
-            let says = parsed(&built, id).unwrap();
-            cut.insert(id, &rows[unit].1.needs, &says).unwrap();
+            let payload = parsed(&built, id).unwrap();
+            cut.insert(id, &rows[unit].1.needs, &payload).unwrap();
             parity.insert(unit);
             if place % 7 == 0 {
                 assert_eq!(parity.odd(), odd(&cut, &rows));
@@ -130,8 +130,8 @@ fn no_edge_opens_while_vertices_are_on_their_way_in_any_order_of_arrival() {
             let mut cut = MeshCut::default();
             for unit in super::order(&rows, &mut random) {
                 let id = UnitId(unit as u32);
-                let says = parsed(&built, id).unwrap();
-                cut.insert(id, &rows[unit].1.needs, &says).unwrap();
+                let payload = parsed(&built, id).unwrap();
+                cut.insert(id, &rows[unit].1.needs, &payload).unwrap();
                 if random.unit() > 0.1 {
                     continue;
                 }
@@ -165,8 +165,8 @@ fn odd_edges_of_what_moves_are_those_of_what_is_drawn_while_it_moves() {
             let mut drawn = MeshCut::default();
             for unit in (0..rows.len()).filter(|it| parity.is_there(*it)) {
                 let id = UnitId(unit as u32);
-                let says = parsed(&built, id).unwrap();
-                drawn.insert(id, &rows[unit].1.needs, &says).unwrap();
+                let payload = parsed(&built, id).unwrap();
+                drawn.insert(id, &rows[unit].1.needs, &payload).unwrap();
             }
             assert_eq!(odd(&drawn, &rows), parity.odd());
             let shares = super::random_shares(&rows, &parity, &mut random);
@@ -181,8 +181,8 @@ fn cut_of(built: &Built, rows: &[(u8, UnitRow)], count: usize) -> MeshCut {
     let mut cut = MeshCut::default();
     for (unit, (_, row)) in rows[..count].iter().enumerate() {
         let id = UnitId(unit as u32);
-        let says = parsed(built, id).unwrap();
-        cut.insert(id, &row.needs, &says).unwrap();
+        let payload = parsed(built, id).unwrap();
+        cut.insert(id, &row.needs, &payload).unwrap();
     }
     cut
 }

@@ -14,7 +14,7 @@ use crate::run::open_player::open_player;
 use crate::run::scene_clip::write_scene;
 use anyhow::{Context, bail};
 use clap::Args;
-use foveal_core::content::asked::{SLOPES, TARGETS};
+use foveal_core::content::policy::asked::{SLOPES, TARGETS};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::content::video::grid::tile_grid::Cut;
 use foveal_core::perception::acuity::AcuityModel;

@@ -7,7 +7,7 @@ use crate::report::output;
 use crate::report::remarks::remarks_told;
 use crate::run::calibrate::sphere_width_deg;
 use clap::Args;
-use foveal_core::content::calibration::Expectation;
+use foveal_core::content::policy::calibration::Expectation;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy};
 use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::description::{Description, Loss};

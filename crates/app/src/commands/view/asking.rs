@@ -1,7 +1,7 @@
 //! Which policy, and which score, does a key go to?
 
 use crate::commands::view::window_player::WindowPlayer;
-use foveal_core::content::asked::next_target;
+use foveal_core::content::policy::asked::next_target;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::session::actions::SessionEvent;
 use foveal_core::units::Seconds;

@@ -4,7 +4,7 @@ use crate::commands::view::screen::overlay::{KeyLine, Line};
 use crate::commands::view::styles::{interpolation, reconstruction};
 use crate::commands::view::window_player::WindowPlayer;
 use crate::report::output::size;
-use foveal_core::content::asked::score_told;
+use foveal_core::content::policy::asked::score_told;
 use foveal_core::units::{Seconds, counted};
 use foveal_core::view::keys::{KEYS, Needs, Row};
 

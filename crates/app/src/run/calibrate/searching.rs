@@ -4,7 +4,7 @@
 //! is still to be found.
 
 use super::measures::{CalibrationExtent, FoundAtBound};
-use foveal_core::content::calibration::{Expectation, slope_for};
+use foveal_core::content::policy::calibration::{Expectation, slope_for};
 use foveal_core::content::video::calibration::{CalibrationRow, ZONES};
 use foveal_core::perception::visible_loss::{BEST_JOD, JOD_EXPONENT};
 

@@ -76,9 +76,9 @@ impl MeshCut {
         &mut self,
         unit: UnitId,
         needs: &[UnitId],
-        says: &MeshUnit,
+        payload: &MeshUnit,
     ) -> Result<&PlacedUnit, PackError> {
-        let placed = self.place(unit, needs, says)?;
+        let placed = self.place(unit, needs, payload)?;
         Ok(self.put_back(unit, placed))
     }
 
@@ -96,16 +96,17 @@ impl MeshCut {
         &self,
         unit: UnitId,
         needs: &[UnitId],
-        says: &MeshUnit,
+        payload: &MeshUnit,
     ) -> Result<PlacedUnit, PackError> {
         let wrong = |what: &str, found: String, expected: &str| {
             PackError::new(&format!("unit {}, {what}", unit.0), found, expected)
         };
-        let mut vertices = Vec::with_capacity(usize::from(says.staying) + says.vertices.len());
-        let mut origins = Vec::with_capacity(usize::from(says.staying));
+        let mut vertices =
+            Vec::with_capacity(usize::from(payload.staying) + payload.vertices.len());
+        let mut origins = Vec::with_capacity(usize::from(payload.staying));
         let mut numbers = HashMap::new();
         let mut replaces = Vec::new();
-        for replaced in &says.replaces {
+        for replaced in &payload.replaces {
             let need = needs.get(usize::from(replaced.need)).copied();
             let there = need.and_then(|need| self.units.get(&need));
             let cluster = there.and_then(|it| it.clusters.get(usize::from(replaced.part)));
@@ -126,25 +127,25 @@ impl MeshCut {
                 }
             }
         }
-        if vertices.len() != usize::from(says.staying) {
+        if vertices.len() != usize::from(payload.staying) {
             let expected = "as many as the replaced clusters have";
             return Err(wrong(
                 "staying vertices",
-                says.staying.to_string(),
+                payload.staying.to_string(),
                 expected,
             ));
         }
         let places: HashSet<_> = vertices.iter().map(|vertex| vertex.place).collect();
-        let stands_twice = says.vertices.iter().any(|it| places.contains(&it.place));
-        vertices.extend(&says.vertices);
-        let clusters = says.clusters.iter().map(|cluster| PlacedCluster {
+        let stands_twice = payload.vertices.iter().any(|it| places.contains(&it.place));
+        vertices.extend(&payload.vertices);
+        let clusters = payload.clusters.iter().map(|cluster| PlacedCluster {
             vertices: cluster.vertices.clone(),
             triangles: cluster.triangles.clone(),
             refined_by: None,
         });
         Ok(PlacedUnit {
             vertices,
-            staying: says.staying,
+            staying: payload.staying,
             origins,
             clusters: clusters.collect(),
             replaces,

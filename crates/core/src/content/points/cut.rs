@@ -98,30 +98,30 @@ impl PointCut {
         &mut self,
         unit: UnitId,
         refines: Option<(UnitId, u8)>,
-        says: &PointUnit,
+        payload: &PointUnit,
         cloud: &Cloud,
     ) -> Result<&PlacedPoints, PackError> {
         match refines {
-            Some((parent, octant)) => self.correct(parent, octant, unit, says)?,
-            None if says.corrections.is_empty() => {}
+            Some((parent, octant)) => self.correct(parent, octant, unit, payload)?,
+            None if payload.corrections.is_empty() => {}
             None => {
                 return Err(wrong(
                     "corrections",
-                    says.corrections.len(),
+                    payload.corrections.len(),
                     "none of a root",
                 ));
             }
         }
-        let points = shown(says, cloud);
+        let points = shown(payload, cloud);
         let placed = PlacedPoints {
-            corner: says.corner,
-            bits: says.bits,
-            cell_steps: says.cell_steps(),
+            corner: payload.corner,
+            bits: payload.bits,
+            cell_steps: payload.cell_steps(),
             firsts: firsts(&points),
             points,
             refined_by: [None; OCTANTS],
             refines,
-            corrections: says.corrections.clone(),
+            corrections: payload.corrections.clone(),
         };
         Ok(self.units.entry(unit).insert_entry(placed).into_mut())
     }
@@ -132,7 +132,7 @@ impl PointCut {
         parent: UnitId,
         octant: u8,
         unit: UnitId,
-        says: &PointUnit,
+        payload: &PointUnit,
     ) -> Result<(), PackError> {
         let Some(there) = self
             .units
@@ -153,8 +153,8 @@ impl PointCut {
             ));
         }
         let cube = octant_of(there.corner, there.bits, octant);
-        if (says.corner, says.bits) != cube {
-            let found = format!("{:?}, {:?}", says.corner, says.bits);
+        if (payload.corner, payload.bits) != cube {
+            let found = format!("{:?}, {:?}", payload.corner, payload.bits);
             return Err(wrong(
                 "cube",
                 found,
@@ -163,12 +163,12 @@ impl PointCut {
         }
         let own: Vec<Option<[u16; 3]>> = there
             .colours_in(octant)
-            .zip(&says.corrections)
+            .zip(&payload.corrections)
             .map(|(colour, by)| corrected(*colour, *by, 1))
             .collect();
         let points = there.colours_in(octant).count();
-        if points != says.corrections.len() {
-            let found = says.corrections.len();
+        if points != payload.corrections.len() {
+            let found = payload.corrections.len();
             return Err(wrong(
                 "corrections",
                 found,
@@ -235,9 +235,9 @@ fn corrected(colour: [u16; 3], by: Correction, times: i64) -> Option<[u16; 3]> {
 }
 
 /// The points of a unit as they are shown: those without colours in greys of their intensities.
-fn shown(says: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
+fn shown(payload: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
     let along = |place: u32, axis: usize| {
-        let (from, bits) = (place.wrapping_sub(says.corner[axis]), says.bits);
+        let (from, bits) = (place.wrapping_sub(payload.corner[axis]), payload.bits);
         match bits.checked_sub(SHOWN_BITS) {
             Some(more) => from >> more,
             None => from << (SHOWN_BITS - bits),
@@ -253,7 +253,7 @@ fn shown(says: &PointUnit, cloud: &Cloud) -> Vec<ShownPoint> {
         place: [0, 1, 2].map(|axis| along(point.place[axis], axis) as u16),
         colour: colour(point),
     };
-    says.points.iter().map(point).collect()
+    payload.points.iter().map(point).collect()
 }
 
 /// The first of all points at each place; nothing where few share one, which costs less to draw
@@ -369,9 +369,9 @@ mod tests {
             };
             wrong.push((bad, 5));
         }
-        for (says, octant) in wrong {
+        for (payload, octant) in wrong {
             let refines = Some((UnitId(0), octant));
-            assert!(cut.insert(UnitId(1), refines, &says, &cloud()).is_err());
+            assert!(cut.insert(UnitId(1), refines, &payload, &cloud()).is_err());
             assert_eq!(cut, before);
         }
         assert!(cut.insert(UnitId(2), None, &child(), &cloud()).is_err());

@@ -30,13 +30,13 @@ impl CloudCheck {
     /// # Errors
     /// It has other corrections than there are points to be corrected, or another cube than the
     /// octant that it refines.
-    pub fn add(&mut self, unit: UnitId, row: &UnitRow, says: &Payload) -> Result<(), PackError> {
-        let Payload::Points(says) = says else {
+    pub fn add(&mut self, unit: UnitId, row: &UnitRow, payload: &Payload) -> Result<(), PackError> {
+        let Payload::Points(payload) = payload else {
             return Ok(());
         };
         let refines = row.needs.first().zip(row.replaces.first());
         let there = refines.and_then(|(need, octant)| Some((*self.cubes.get(need)?, *octant)));
-        self.cubes.insert(unit, Cube::of(says));
+        self.cubes.insert(unit, Cube::of(payload));
         let (expected, points) = match there {
             Some((cube, octant)) => {
                 let octant = octant.part;
@@ -48,9 +48,9 @@ impl CloudCheck {
             }
             // What it refines is damaged itself.
             None if refines.is_some() => return Ok(()),
-            None => ((says.corner, says.bits), 0),
+            None => ((payload.corner, payload.bits), 0),
         };
-        let found = (says.corner, says.bits, says.corrections.len());
+        let found = (payload.corner, payload.bits, payload.corrections.len());
         match found == (expected.0, expected.1, points) {
             true => Ok(()),
             false => Err(wrong(
@@ -63,14 +63,14 @@ impl CloudCheck {
 }
 
 impl Cube {
-    fn of(says: &PointUnit) -> Self {
+    fn of(payload: &PointUnit) -> Self {
         let mut points = [0; OCTANTS];
-        for point in &says.points {
-            points[usize::from(says.octant_of_place(point.place))] += 1;
+        for point in &payload.points {
+            points[usize::from(payload.octant_of_place(point.place))] += 1;
         }
         Self {
-            corner: says.corner,
-            bits: says.bits,
+            corner: payload.corner,
+            bits: payload.bits,
             points,
         }
     }

@@ -4,7 +4,7 @@ mod error_bounds;
 
 use super::Scene;
 use super::scene::Stand;
-use super::sight::{SeenError, Sight};
+use super::sight::{SeenError, ViewOfScene};
 use super::worth::SceneWorth;
 use crate::content::demand::{Chosen, Content, Demand, Offer, Record};
 use crate::content::policy::{Policy, PolicyConfig};
@@ -79,13 +79,13 @@ impl SceneDemand {
         }
     }
 
-    fn sights(&self, moment: &Moment) -> Vec<Sight> {
-        let sight = |glance| Sight::new(&glance, self.config.margin);
+    fn sights(&self, moment: &Moment) -> Vec<ViewOfScene> {
+        let sight = |glance| ViewOfScene::new(&glance, self.config.margin);
         moment.glances().map(sight).collect()
     }
 
     /// The largest of what `of` says of a unit as it is seen, over its places and all views.
-    fn most(&self, unit: UnitId, sights: &[Sight], of: impl Fn(&SeenError) -> f64) -> f64 {
+    fn most(&self, unit: UnitId, sights: &[ViewOfScene], of: impl Fn(&SeenError) -> f64) -> f64 {
         let spends = self.config.policy.spends_a_budget();
         let stands = self.scene.stands(unit).iter();
         let seen = stands.flat_map(|stand| {
@@ -95,7 +95,7 @@ impl SceneDemand {
                 true => stand.error.max(stand.side * ERROR_PIXELS / SIDE_PIXELS),
                 false => stand.error,
             };
-            let seen = move |sight: &Sight| sight.seen(&stand.sphere, error);
+            let seen = move |sight: &ViewOfScene| sight.seen(&stand.sphere, error);
             sights.iter().filter_map(seen)
         });
         seen.map(|seen| of(&seen)).fold(0.0, f64::max)
@@ -159,7 +159,7 @@ impl SceneDemand {
 
     /// Whether the error that is shown without a unit in one of its places is larger than the
     /// policy allows: [`Self::excess`] above 1, mostly without working it out.
-    fn exceeds(&self, stand: &Stand, sight: &Sight) -> bool {
+    fn exceeds(&self, stand: &Stand, sight: &ViewOfScene) -> bool {
         let Stand { sphere, error, .. } = stand;
         if sight.is_surely_within(sphere, *error, ERROR_PIXELS) {
             return false;
@@ -177,7 +177,7 @@ impl SceneDemand {
 
     /// The least and the largest that [`Self::excess`] may be; `None` where two eccentricities do
     /// not decide it in the eye's model.
-    fn rough_excess(&self, rough: &RoughError, sight: &Sight) -> Option<[f64; 2]> {
+    fn rough_excess(&self, rough: &RoughError, sight: &ViewOfScene) -> Option<[f64; 2]> {
         let pixels = rough.error.0 * sight.pixels / ERROR_PIXELS;
         match (self.config.policy, &self.config.acuity) {
             (Policy::Acuity, AcuityModel::Linear { slope, .. }) if *slope >= 0.0 => {

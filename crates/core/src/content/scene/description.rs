@@ -56,8 +56,8 @@ pub struct SceneDescription {
     /// Entries of a full page of the index, and rows of a full page of tables.
     pub page: u32,
     /// What is round its objects.
-    #[serde(default, skip_serializing_if = "SceneLook::is_usual")]
-    pub look: SceneLook,
+    #[serde(default, skip_serializing_if = "Backdrop::is_usual")]
+    pub look: Backdrop,
     /// How it was made, for who would make it again.
     #[serde(default)]
     pub identity: Identity,
@@ -91,14 +91,14 @@ impl JoinedParts {
 /// What is seen where nothing stands, and where light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct SceneLook {
+pub struct Backdrop {
     /// What is seen where nothing stands: red, green and blue in linear light, 0 to 1.
     pub background: [f32; 3],
     /// Where light comes from, in the world; finite, of any length but 0.
     pub light: [f64; 3],
 }
 
-impl Default for SceneLook {
+impl Default for Backdrop {
     fn default() -> Self {
         Self {
             background: [0.03; 3],
@@ -107,7 +107,7 @@ impl Default for SceneLook {
     }
 }
 
-impl SceneLook {
+impl Backdrop {
     fn is_usual(&self) -> bool {
         *self == Self::default()
     }

@@ -2,7 +2,7 @@
 
 use super::Scene;
 use super::demand::acuity_excess;
-use super::sight::Sight;
+use super::sight::ViewOfScene;
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::pack::unit::UnitId;
 use crate::perception::acuity::AcuityModel;
@@ -12,17 +12,17 @@ use crate::units::Radians;
 
 /// Who may see a step at one moment.
 #[derive(Debug)]
-pub struct StepWitness {
+pub struct VisibleSteps {
     /// What each view shows; none where nothing is seen.
-    sights: Vec<Sight>,
+    sights: Vec<ViewOfScene>,
     acuity: AcuityModel,
 }
 
-impl StepWitness {
+impl VisibleSteps {
     /// A viewer at this moment. In a saccade, right after one and in a blink no step is seen.
     #[must_use]
     pub fn new(moment: &Moment) -> Self {
-        let sight = |glance| Sight::new(&glance, Radians(0.0));
+        let sight = |glance| ViewOfScene::new(&glance, Radians(0.0));
         Self {
             sights: match moment.state {
                 EyeState::Steady => moment.glances().map(sight).collect(),
@@ -85,7 +85,7 @@ mod tests {
         let scene = scripted_scene().unwrap();
         let units = || scene.pack().units().skip(scene.base(0).len());
         let seen = |moment: &Moment| {
-            let witness = StepWitness::new(moment);
+            let witness = VisibleSteps::new(moment);
             units().filter(|unit| witness.sees(&scene, *unit)).count()
         };
         let bounds = scene.bounds();
@@ -100,6 +100,6 @@ mod tests {
         ] {
             assert_eq!(seen(&unseen), 0, "{unseen:?}");
         }
-        assert!(StepWitness::new(&moment(near, EyeState::Jumping)).is_blind());
+        assert!(VisibleSteps::new(&moment(near, EyeState::Jumping)).is_blind());
     }
 }

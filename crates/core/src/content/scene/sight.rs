@@ -25,7 +25,7 @@ pub struct Sphere {
 
 /// What one view shows a viewer of a scene at one moment.
 #[derive(Debug)]
-pub struct Sight {
+pub struct ViewOfScene {
     pub(super) glance: Glance,
     pub(super) spread: SpreadTable,
     pub(super) frustum: Option<Frustum>,
@@ -58,7 +58,7 @@ pub struct SeenExtent {
     pub mean: Radians,
 }
 
-impl Sight {
+impl ViewOfScene {
     /// What is seen in a glance and up to `margin` outside its view.
     #[must_use]
     pub fn new(glance: &Glance, margin: Radians) -> Self {
@@ -188,7 +188,7 @@ mod tests {
     use crate::view::eye_view::Field;
     use crate::view::random::Random;
 
-    fn sight(gaze: DVec3) -> Sight {
+    fn sight(gaze: DVec3) -> ViewOfScene {
         let view = EyeView {
             position: DVec3::new(0.3, -0.2, 1.0),
             axes: Axes::FRONT,
@@ -204,7 +204,7 @@ mod tests {
             view: Some(view),
             state: EyeState::Steady,
         };
-        Sight::new(&glance, Radians(0.1))
+        ViewOfScene::new(&glance, Radians(0.1))
     }
 
     #[test]

@@ -55,13 +55,13 @@ impl<'a> SceneCheck<'a> {
     ///
     /// # Errors
     /// It differs from its row in the table, or does not fit what it needs.
-    pub fn add(&mut self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
+    pub fn add(&mut self, unit: UnitId, payload: &Payload) -> Result<(), PackError> {
         let needs = &self.pack.row(unit).needs;
         let misses = needs.iter().any(|it| self.damaged.contains(it));
-        let checked = self.check_row(unit, says).and_then(|()| match misses {
+        let checked = self.check_row(unit, payload).and_then(|()| match misses {
             // What it needs has been reported already.
             true => Ok(()),
-            false => self.fit(unit, says),
+            false => self.fit(unit, payload),
         });
         if misses || checked.is_err() {
             self.damaged.insert(unit);
@@ -69,19 +69,19 @@ impl<'a> SceneCheck<'a> {
         checked
     }
 
-    fn fit(&mut self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
-        match says {
-            Payload::Mesh(says) => self.fit_mesh(unit, says),
+    fn fit(&mut self, unit: UnitId, payload: &Payload) -> Result<(), PackError> {
+        match payload {
+            Payload::Mesh(payload) => self.fit_mesh(unit, payload),
             Payload::Image(page) => self.fit_page(unit, (page.texture, page.page)),
-            Payload::Points(_) => self.clouds.add(unit, self.pack.row(unit), says),
+            Payload::Points(_) => self.clouds.add(unit, self.pack.row(unit), payload),
             Payload::Picture(_) | Payload::Other(_) => Ok(()),
         }
     }
 
     /// Refuses a unit that differs from its row in the table.
-    fn check_row(&self, unit: UnitId, says: &Payload) -> Result<(), PackError> {
+    fn check_row(&self, unit: UnitId, payload: &Payload) -> Result<(), PackError> {
         let row = self.pack.row(unit);
-        let found = match says {
+        let found = match payload {
             Payload::Mesh(mesh) => {
                 let corners = mesh.clusters.iter().map(|it| it.vertices.len());
                 [mesh.triangles(), corners.sum()]
@@ -108,11 +108,11 @@ impl<'a> SceneCheck<'a> {
 
     /// Refuses a unit of a mesh whose coarse clusters are not there, or have other vertices than
     /// stay; keeps the vertices of its clusters that others refine.
-    fn fit_mesh(&mut self, unit: UnitId, says: &MeshUnit) -> Result<(), PackError> {
+    fn fit_mesh(&mut self, unit: UnitId, payload: &MeshUnit) -> Result<(), PackError> {
         let needs = &self.pack.row(unit).needs;
         let mut vertices: Vec<u64> = Vec::new();
         let mut met: HashSet<u64> = HashSet::new();
-        for replaced in &says.replaces {
+        for replaced in &payload.replaces {
             let need = needs.get(usize::from(replaced.need)).copied();
             // Of two that replace a cluster, the second finds nothing there.
             let there = need.and_then(|need| self.clusters.remove(&(need, replaced.part)));
@@ -125,15 +125,15 @@ impl<'a> SceneCheck<'a> {
             };
             vertices.extend(there.into_iter().filter(|it| met.insert(*it)));
         }
-        if vertices.len() != usize::from(says.staying) {
+        if vertices.len() != usize::from(payload.staying) {
             return Err(PackError::new(
                 &format!("unit {}, staying vertices", unit.0),
-                says.staying,
+                payload.staying,
                 format!("{}, as many as the replaced clusters have", vertices.len()),
             ));
         }
-        vertices.extend(says.vertices.iter().map(|it| self.hasher.hash_one(it)));
-        for (cluster, number) in says.clusters.iter().zip(0..) {
+        vertices.extend(payload.vertices.iter().map(|it| self.hasher.hash_one(it)));
+        for (cluster, number) in payload.clusters.iter().zip(0..) {
             if self.refiners.contains_key(&(unit, number)) {
                 let own = cluster.vertices.iter().map(|it| vertices[usize::from(*it)]);
                 self.clusters.insert((unit, number), own.collect());

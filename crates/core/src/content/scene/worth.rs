@@ -8,7 +8,7 @@
 
 use super::Scene;
 use super::scene::Stand;
-use super::sight::{SeenExtent, Sight};
+use super::sight::{SeenExtent, ViewOfScene};
 use super::unit_table::UnitRow;
 use crate::pack::unit::UnitId;
 use crate::perception::footprints::{Footprint, Footprints, Measured};
@@ -67,7 +67,7 @@ impl SceneWorth {
     }
 
     /// What each unit is worth, as it is seen.
-    pub(super) fn values(&self, scene: &Scene, sights: &[Sight]) -> Vec<f64> {
+    pub(super) fn values(&self, scene: &Scene, sights: &[ViewOfScene]) -> Vec<f64> {
         let rows = scene.pack().rows();
         let mut values = vec![0.0; rows.len()];
         let extents = match &self.measured {
@@ -136,7 +136,7 @@ impl SceneWorth {
         &self,
         row: &UnitRow,
         stand: &Stand,
-        sight: &Sight,
+        sight: &ViewOfScene,
         measured: Option<SeenExtent>,
     ) -> f64 {
         let extent = measured.unwrap_or_else(|| sight.extent(&stand.sphere));
@@ -187,8 +187,8 @@ pub fn visible_errors(scene: &Scene, moment: &Moment, footprints: &Footprints) -
     let mut worth = SceneWorth::new(scene, &Parameters::default());
     worth.counts = Counted::VisibleError;
     worth.see(Measured::Footprints(footprints.clone()));
-    let sight = |glance| Sight::new(&glance, Radians(0.0));
-    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    let sight = |glance| ViewOfScene::new(&glance, Radians(0.0));
+    let sights: Vec<ViewOfScene> = moment.glances().map(sight).collect();
     worth.values(scene, &sights)
 }
 
@@ -212,8 +212,8 @@ pub fn shares_of_worth(
 ) -> Vec<f32> {
     let mut worth = SceneWorth::new(scene, parameters);
     worth.see(Measured::Footprints(footprints.clone()));
-    let sight = |glance| Sight::new(&glance, Radians(0.0));
-    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    let sight = |glance| ViewOfScene::new(&glance, Radians(0.0));
+    let sights: Vec<ViewOfScene> = moment.glances().map(sight).collect();
     let values = worth.values(scene, &sights);
     let density = |footprint: &Footprint| {
         let value = values.get(footprint.unit.0 as usize).copied();
@@ -250,8 +250,8 @@ pub fn shares_of_worth(
 #[must_use]
 pub fn detail_share(scene: &Scene, moment: &Moment, shows: impl Fn(UnitId) -> bool) -> f64 {
     let worth = SceneWorth::new(scene, &Parameters::default());
-    let sight = |glance| Sight::new(&glance, Radians(0.0));
-    let sights: Vec<Sight> = moment.glances().map(sight).collect();
+    let sight = |glance| ViewOfScene::new(&glance, Radians(0.0));
+    let sights: Vec<ViewOfScene> = moment.glances().map(sight).collect();
     let values = worth.values(scene, &sights);
     let all: f64 = values.iter().sum();
     let units = (0..).map(UnitId).zip(&values);
@@ -293,7 +293,7 @@ mod tests {
     use crate::view::eye_view::{EyeView, Field};
     use glam::DVec3;
 
-    fn sight(scene: &Scene) -> Sight {
+    fn sight(scene: &Scene) -> ViewOfScene {
         let bounds = scene.bounds();
         let view = EyeView {
             position: bounds.centre + DVec3::Z * 2.0 * bounds.radius,
@@ -307,7 +307,7 @@ mod tests {
             view: Some(view),
             state: EyeState::Steady,
         };
-        Sight::new(&glance, Radians(0.1))
+        ViewOfScene::new(&glance, Radians(0.1))
     }
 
     fn footprint(unit: u32, least: u32) -> Footprint {

@@ -5,7 +5,7 @@
 //! signatures predict to the judge's scale for this content
 //! (docs/decisions/0028-packs-know-their-score.md).
 
-use crate::content::calibration::Expectation;
+use crate::content::policy::calibration::Expectation;
 use crate::perception::visible_loss::{
     BEST_JOD, JOD_EXPONENT, SPACE_EXPONENT, jod_lost, quality_of_jod,
 };
@@ -442,7 +442,7 @@ impl Expected {
 
 impl Scale {
     /// The scale of content that no judge saw, from the constants in
-    /// [`calibration`](crate::content::calibration).
+    /// [`calibration`](crate::content::policy::calibration).
     #[must_use]
     pub fn usual() -> Self {
         Self::default()

@@ -98,15 +98,15 @@ impl TwinMeshes {
 
 impl TwinLayer for TwinMeshes {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Mesh(_))
+        matches!(coming.payload, PayloadView::Mesh(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>) -> Result<(), RenderError> {
-        let PayloadView::Mesh(says) = coming.says else {
+        let PayloadView::Mesh(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
         if !self.units.show(coming.unit) {
-            self.units.insert(coming, says)?;
+            self.units.insert(coming, payload)?;
         }
         Ok(())
     }

@@ -11,14 +11,14 @@ use std::collections::HashSet;
 
 impl TwinLayer for TwinPages {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Image(_))
+        matches!(coming.payload, PayloadView::Image(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>) -> Result<(), RenderError> {
-        let PayloadView::Image(says) = coming.says else {
+        let PayloadView::Image(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
-        self.insert(coming, says)
+        self.insert(coming, payload)
     }
 
     fn remove(&mut self, _unit: UnitId) -> bool {

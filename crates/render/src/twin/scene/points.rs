@@ -66,15 +66,15 @@ impl TwinPoints {
 
 impl TwinLayer for TwinPoints {
     fn takes(&self, coming: &Coming<'_>) -> bool {
-        matches!(coming.says, PayloadView::Points(_))
+        matches!(coming.payload, PayloadView::Points(_))
     }
 
     fn upload(&mut self, coming: &Coming<'_>) -> Result<(), RenderError> {
-        let PayloadView::Points(says) = coming.says else {
+        let PayloadView::Points(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
         if !self.units.show(coming.unit) {
-            self.units.insert(coming, says)?;
+            self.units.insert(coming, payload)?;
         }
         Ok(())
     }

@@ -49,19 +49,19 @@ impl TwinPages {
     pub(crate) fn insert(
         &mut self,
         coming: &Coming<'_>,
-        says: &ImagePage,
+        payload: &ImagePage,
     ) -> Result<(), RenderError> {
         let Coming { unit, needs, .. } = *coming;
         if self.table.show_again(unit) || self.table.is_there(unit) {
             return Ok(());
         }
-        let pictures = self.table.pictures_of(unit, needs, says)?;
+        let pictures = self.table.pictures_of(unit, needs, payload)?;
         let slots = pictures
             .into_iter()
             .map(|picture| self.keep(picture))
             .collect();
         self.table
-            .insert(unit, needs, (says.texture, says.page), slots);
+            .insert(unit, needs, (payload.texture, payload.page), slots);
         Ok(())
     }
 

@@ -6,7 +6,7 @@ mod scattered;
 mod signatures;
 pub(crate) mod textures;
 
-use super::mesh::GridMesh;
+use super::mesh::grid_mesh::GridMesh;
 use super::textures::ShownImages;
 use super::{BuildOptions, Built, build};
 use crate::source::SourceScene;
@@ -28,7 +28,7 @@ fn all() -> Vec<(&'static str, SourceScene)> {
 
 fn grid_mesh(source: &SourceScene) -> GridMesh {
     let shown = ShownImages::new(source);
-    super::mesh::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
+    crate::build::grid_mesh(source, &source.objects[0], 14, &shown).unwrap()
 }
 
 pub(crate) fn parsed(built: &Built, unit: usize) -> MeshUnit {

@@ -82,7 +82,7 @@ fn drawn_from(cloud: SourceCloud) -> anyhow::Result<TwinScene> {
             level: unit.level,
             needs: &unit.row.needs,
             part: octant,
-            says: PayloadView::Points(&PointUnit::parse(&unit.payload, attributes)?),
+            payload: PayloadView::Points(&PointUnit::parse(&unit.payload, attributes)?),
         })?;
     }
     Ok(scene)

@@ -7,7 +7,7 @@ use super::subject::Subject;
 use crate::commands::score::{DeviceName, Engine, LastGaze, display_of_view, from_image};
 use crate::report::output;
 use anyhow::Context;
-use foveal_core::content::asked::Detail;
+use foveal_core::content::policy::asked::Detail;
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::perception::moment::Moment;
 use foveal_core::units::Seconds;

@@ -6,8 +6,8 @@
 use crate::commands::bench::video::arms::Published;
 use crate::report::output;
 use crate::run::timed::{Conditions, Way};
-use foveal_core::content::asked::TARGETS;
 use foveal_core::content::policy::PolicyConfig;
+use foveal_core::content::policy::asked::TARGETS;
 
 /// Targets that are tried: each halves the range in which the right one lies.
 const TRIALS: u32 = 7;

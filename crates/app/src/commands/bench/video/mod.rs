@@ -21,7 +21,7 @@ use anyhow::bail;
 use arms::{Arms, Published, SLOPE_BEFORE};
 use clap::Args;
 use content::{Generated, PackAndOriginal, WALL, cache};
-use foveal_core::content::asked::SLOPES;
+use foveal_core::content::policy::asked::SLOPES;
 use foveal_core::content::policy::{DEFAULT_TARGET, Policy, PolicyConfig};
 use foveal_core::perception::acuity::AcuityModel;
 use foveal_core::view::surface::Screen;

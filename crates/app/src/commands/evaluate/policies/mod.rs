@@ -22,7 +22,7 @@ use crate::run::source_frames::SourceFrames;
 use anyhow::{Context, bail};
 use clap::Args;
 use contenders::{Contender, Ladders, contenders};
-use foveal_core::content::asked::{SLOPES, TARGETS};
+use foveal_core::content::policy::asked::{SLOPES, TARGETS};
 use foveal_core::units::counted;
 use foveal_eval::score::{Mode, Viewing, constants as fit};
 use foveal_media::SourceInfo;

@@ -1,9 +1,10 @@
 //! What is sure of how an error is seen before any angle is worked out?
 //!
 //! Arc functions take most of the time of choosing. Here they are short polynomials with a known
-//! error; who finds the answer within it asks [`Sight::seen`], so that nothing is chosen otherwise.
+//! error; where the answer lies within it [`ViewOfScene::seen`] is asked, so that nothing is chosen
+//! otherwise.
 
-use crate::content::scene::sight::{Sight, Sphere};
+use crate::content::scene::sight::{Sphere, ViewOfScene};
 use crate::units::Radians;
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -32,7 +33,7 @@ pub(super) struct RoughError {
     pub(super) eccentricity: [Radians; 2],
 }
 
-impl Sight {
+impl ViewOfScene {
     /// Whether an error in a sphere is surely no larger than so many pixels of the display.
     #[inline]
     pub(super) fn is_surely_within(&self, sphere: &Sphere, error: f64, pixels: f64) -> bool {

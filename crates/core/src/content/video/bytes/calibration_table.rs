@@ -2,7 +2,7 @@
 //!
 //! The side table `calibration`; `docs/formats/pack.md` is normative.
 
-use crate::content::calibration::Expectation;
+use crate::content::policy::calibration::Expectation;
 use crate::content::video::calibration::{Calibration, CalibrationRow, ZONES};
 use crate::pack::{PackError, SideTable};
 use crate::units::counted;

@@ -5,7 +5,7 @@
 //! to keep the score, by the signatures of what is in view. Where a judge saw the content while it
 //! was prepared, the bounds of the zones are to each other as it found them.
 
-use crate::content::calibration::{Expectation, slope_for};
+use crate::content::policy::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::calibration::Scale;
 use crate::content::video::grid::level_map::LevelMap;

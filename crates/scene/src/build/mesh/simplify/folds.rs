@@ -5,8 +5,8 @@
 //! and coarse levels would tear it. Where front and back are parted along such folds, the rim is a
 //! seam instead, which moves along itself alone, both sides together.
 
-use crate::build::clusters::Part;
-use crate::build::mesh::GridMesh;
+use crate::build::mesh::clusters::Part;
+use crate::build::mesh::grid_mesh::GridMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 

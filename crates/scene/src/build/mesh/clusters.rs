@@ -1,13 +1,13 @@
 //! Into which clusters do triangles fall?
 
-use super::mesh::GridMesh;
-use super::numbering::Numbering;
+use super::grid_mesh::GridMesh;
+use crate::build::numbering::Numbering;
 use meshopt::VertexDataAdapter;
 use rayon::prelude::*;
 use std::io::Cursor;
 
 /// Most triangles of a cluster.
-pub(super) const TRIANGLES: usize = 64;
+pub(in crate::build) const TRIANGLES: usize = 64;
 /// Most vertices of a cluster.
 const VERTICES: usize = 64;
 /// Fewest triangles of a cluster that is split for being long.
@@ -27,7 +27,7 @@ const FEW: usize = 1 << 9;
 
 /// Triangles that are shown or hidden together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct GraphCluster {
+pub(in crate::build) struct GraphCluster {
     /// Vertices of the mesh.
     pub vertices: Vec<u32>,
     /// Triangles, by place in `vertices`.
@@ -42,14 +42,14 @@ pub(super) struct GraphCluster {
 
 impl GraphCluster {
     /// The corners of its triangles, as vertices of the mesh.
-    pub(super) fn corners(&self) -> impl Iterator<Item = u32> {
+    pub(in crate::build) fn corners(&self) -> impl Iterator<Item = u32> {
         let corners = self.triangles.as_flattened().iter();
         corners.map(|corner| self.vertices[usize::from(*corner)])
     }
 }
 
 /// A part of a mesh with vertices of its own.
-pub(super) struct Part {
+pub(in crate::build) struct Part {
     /// The vertices of the mesh by their numbers here.
     pub vertices: Vec<u32>,
     /// Corners of triangles, by numbers here.
@@ -62,7 +62,11 @@ impl Part {
     /// The part of a mesh that has these corners of triangles.
     ///
     /// About so many vertices are expected.
-    pub(super) fn new(mesh: &GridMesh, corners: impl Iterator<Item = u32>, about: usize) -> Self {
+    pub(in crate::build) fn new(
+        mesh: &GridMesh,
+        corners: impl Iterator<Item = u32>,
+        about: usize,
+    ) -> Self {
         let mut numbering = Numbering::new(about);
         let corners = corners.map(|it| numbering.number(it)).collect();
         let vertices = numbering.vertices;
@@ -85,7 +89,7 @@ impl Part {
     }
 
     /// The clusters that some of its triangles, named by corners, fall into.
-    pub(super) fn clusters(&self, corners: &[u32]) -> Vec<GraphCluster> {
+    pub(in crate::build) fn clusters(&self, corners: &[u32]) -> Vec<GraphCluster> {
         let positions = adapter(&self.positions);
         let meshlets = meshopt::build_meshlets_flex(
             corners, &positions, VERTICES, FEWEST, TRIANGLES, 0.0, SPLIT,
@@ -106,7 +110,7 @@ impl Part {
 }
 
 /// Positions as meshoptimizer takes them.
-pub(super) fn adapter(positions: &[[f32; 3]]) -> VertexDataAdapter<'_> {
+pub(in crate::build) fn adapter(positions: &[[f32; 3]]) -> VertexDataAdapter<'_> {
     VertexDataAdapter {
         reader: Cursor::new(meshopt::typed_to_bytes(positions)),
         vertex_count: positions.len(),
@@ -116,7 +120,7 @@ pub(super) fn adapter(positions: &[[f32; 3]]) -> VertexDataAdapter<'_> {
 }
 
 /// The clusters of a whole mesh.
-pub(super) fn of_source(mesh: &GridMesh) -> Vec<GraphCluster> {
+pub(in crate::build) fn of_source(mesh: &GridMesh) -> Vec<GraphCluster> {
     let middle = |triangle: &[u32; 3]| {
         let places = triangle.map(|it| mesh.vertices[it as usize].place.map(u32::from));
         let along = |axis: usize| places.iter().map(|place| place[axis]).sum();

@@ -1,10 +1,10 @@
 //! Which groups does a mesh become, from its source to its roots?
 
 use super::clusters::{self, GraphCluster};
+use super::grid_mesh::GridMesh;
 use super::groups::{locked, partition};
-use super::mesh::GridMesh;
 use super::simplify::{Simplified, simplify};
-use super::sphere::LocalSphere;
+use crate::build::sphere::LocalSphere;
 use foveal_core::content::mesh::payload::{MOST_CLUSTERS, MeshVertex};
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ const MOST_STUCK: u8 = 2;
 
 /// Fine clusters, and what they were simplified to.
 #[derive(Clone, Debug)]
-pub(super) struct Group {
+pub(in crate::build) struct Group {
     /// Its level, 0 the finest; of roots the coarsest of the object.
     pub level: u8,
     /// The fine clusters, by number.
@@ -30,7 +30,7 @@ pub(super) struct Group {
 
 /// A mesh at all levels.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Graph {
+pub(in crate::build) struct Graph {
     /// All clusters.
     pub clusters: Vec<GraphCluster>,
     /// The group that each cluster is a fine one of.
@@ -42,7 +42,7 @@ pub(super) struct Graph {
 }
 
 /// The graph of a mesh that has triangles; `step` hears of triangles that are done.
-pub(super) fn build(mesh: &mut GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
+pub(in crate::build) fn build(mesh: &mut GridMesh, step: &(dyn Fn(u64) + Sync)) -> Graph {
     let mut graph = Graph {
         clusters: clusters::of_source(mesh),
         ..Default::default()

@@ -29,7 +29,7 @@ impl Detail {
     /// A policy at this detail, its other parameters by default.
     ///
     /// ```
-    /// use foveal_core::content::asked::Detail;
+    /// use foveal_core::content::policy::asked::Detail;
     /// use foveal_core::content::policy::Policy;
     /// assert_eq!(Detail::Usual.of(Policy::Acuity).target, Some(9.5));
     /// assert_eq!(Detail::Target(Some(9.0)).of(Policy::Viewport).target, None);
@@ -102,7 +102,7 @@ pub fn next_target(target: Option<f64>, by: i32) -> Option<f64> {
 /// How what is asked for and what is expected read to people.
 ///
 /// ```
-/// use foveal_core::content::asked::score_told;
+/// use foveal_core::content::policy::asked::score_told;
 /// assert_eq!(score_told(Some(9.5), Some(9.56)), "9.5 asked, 9.56 expected");
 /// assert_eq!(score_told(None, None), "none asked");
 /// ```

@@ -1,14 +1,14 @@
 //! Which clusters are simplified together?
 
 use super::clusters::{GraphCluster, adapter};
-use super::mesh::GridMesh;
-use super::numbering::Numbering;
+use super::grid_mesh::GridMesh;
+use crate::build::numbering::Numbering;
 
 /// Clusters of a group; up to a third more happen.
 const CLUSTERS: usize = 4;
 
 /// Clusters in groups of about four that share borders, by number.
-pub(super) fn partition(
+pub(in crate::build) fn partition(
     mesh: &GridMesh,
     clusters: &[GraphCluster],
     active: &[u32],
@@ -49,7 +49,7 @@ pub(super) fn partition(
 
 /// Whether each vertex lies, by its place, in more than one group, or in a cluster that has `ended`
 /// as a root: such a cluster stays as it is, so what meets it must.
-pub(super) fn locked(
+pub(in crate::build) fn locked(
     mesh: &GridMesh,
     clusters: &[GraphCluster],
     groups: &[Vec<u32>],

@@ -5,8 +5,8 @@
 //! So the larger of two neighbouring parts stays. Where the removed parts covered as much as those
 //! that stay, the parts that stay grow to cover as much as both did.
 
-use crate::build::clusters::Part;
-use crate::build::mesh::GridMesh;
+use crate::build::mesh::clusters::Part;
+use crate::build::mesh::grid_mesh::GridMesh;
 use crate::build::numbering::Numbering;
 use foveal_core::content::mesh::payload::MeshVertex;
 use glam::DVec3;

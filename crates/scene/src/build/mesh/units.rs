@@ -1,10 +1,10 @@
 //! Which unit does each group become, and in which order?
 
-use super::built::{BuildError, BuiltUnit};
 use super::graph::{Graph, Group};
-use super::mesh::GridMesh;
-use super::numbering::Numbering;
-use super::pages::BuiltPage;
+use super::grid_mesh::GridMesh;
+use crate::build::built::{BuildError, BuiltUnit};
+use crate::build::numbering::Numbering;
+use crate::build::pages::BuiltPage;
 use crate::signatures::StepMeasure;
 use foveal_core::content::mesh::payload::{Cluster, MeshUnit, MeshVertex};
 use foveal_core::content::scene::kind::UnitKind;
@@ -22,7 +22,7 @@ const ORDER_BITS: u32 = 20;
 
 /// All units in order, and the number of levels; what units add is measured under a `light` from
 /// some direction, or not at all.
-pub(super) fn write(
+pub(in crate::build) fn write(
     meshes: &[GridMesh],
     graphs: &[Graph],
     textures: &[Vec<BuiltPage>],
@@ -143,15 +143,15 @@ impl Place<'_> {
             }
         };
         let replaces = group.coarse.iter().map(replaced).collect();
-        let says = self.says(group, replaces);
-        let corners = says.clusters.iter().map(|it| it.vertices.len());
+        let unit = self.mesh_unit(group, replaces);
+        let corners = unit.clusters.iter().map(|it| it.vertices.len());
         let mut row = UnitRow {
             kind: UnitKind::Mesh,
             object: self.object,
             centre: group.sphere.centre,
             radius: group.sphere.radius,
             error: group.error,
-            samples: says.triangles() as u32,
+            samples: unit.triangles() as u32,
             vertices: corners.sum::<usize>() as u32,
             needs,
             ..UnitRow::default()
@@ -161,8 +161,8 @@ impl Place<'_> {
             let [before, after] = [&group.coarse, &group.fine].map(|it| self.triangles(it));
             it.signature([&before, &after], f64::from(group.error))
         });
-        let payload = says.write(self.mesh.object.attributes)?;
-        row.replaces = says.replaces;
+        let payload = unit.write(self.mesh.object.attributes)?;
+        row.replaces = unit.replaces;
         Ok(BuiltUnit {
             level,
             row,
@@ -177,7 +177,7 @@ impl Place<'_> {
         corners.collect::<Vec<_>>().as_chunks().0.to_vec()
     }
 
-    fn says(&self, group: &Group, replaces: Vec<PartRef>) -> MeshUnit {
+    fn mesh_unit(&self, group: &Group, replaces: Vec<PartRef>) -> MeshUnit {
         let cluster = |it: &u32| &self.graph.clusters[*it as usize];
         let all = group.coarse.iter().chain(&group.fine);
         let count = all.map(|it| cluster(it).vertices.len()).sum();

@@ -2,9 +2,9 @@
 //!
 //! All that follows is about the mesh on the grid: its errors, too, are measured from there.
 
-use super::built::BuildError;
-use super::numbering::IntegerMap;
-use super::textures::{MeshTexturing, ShownImages};
+use crate::build::built::BuildError;
+use crate::build::numbering::IntegerMap;
+use crate::build::textures::{MeshTexturing, ShownImages};
 use crate::source::{Material, SourceMesh, SourceObject, SourceScene};
 use foveal_core::content::mesh::octahedral::octahedral_from_direction;
 use foveal_core::content::mesh::payload::{Attributes, MeshVertex, NO_TEXTURE};
@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 /// A mesh on the grid of its object.
 #[derive(Clone, Debug)]
-pub(super) struct GridMesh {
+pub(in crate::build) struct GridMesh {
     /// The object that shows it.
     pub object: SceneObject,
     /// The names of the parts that it was joined of; none where it is one by itself.
@@ -31,7 +31,7 @@ pub(super) struct GridMesh {
 }
 
 /// Puts the mesh of an object on a grid.
-pub(super) fn grid_mesh(
+pub(in crate::build) fn grid_mesh(
     source: &SourceScene,
     object: &SourceObject,
     bits: u8,
@@ -89,14 +89,14 @@ pub(super) fn grid_mesh(
 
 impl GridMesh {
     /// Centre and radius of the sphere round the mesh, in steps of the grid.
-    pub(super) fn sphere_on_grid(&self) -> (DVec3, f64) {
+    pub(in crate::build) fn sphere_on_grid(&self) -> (DVec3, f64) {
         let (grid, bounds) = (&self.object.grid, &self.object.bounds);
         let centre = DVec3::from_array(bounds.centre) - DVec3::from_array(grid.origin);
         (centre / grid.step, bounds.radius / grid.step)
     }
 
     /// Makes the sphere round the mesh enclose the vertices from this one on.
-    pub(super) fn reach_all(&mut self, first: usize) {
+    pub(in crate::build) fn reach_all(&mut self, first: usize) {
         let bounds = &mut self.object.bounds;
         let centre = DVec3::from_array(bounds.centre);
         for vertex in &self.vertices[first..] {
@@ -132,7 +132,7 @@ fn places_of_uv(object: &SceneObject, vertices: &[MeshVertex], triangles: &[[u32
 }
 
 /// What is wrong with a mesh.
-pub(super) fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
+pub(in crate::build) fn check(source: &SourceScene, mesh: &SourceMesh) -> Result<(), &'static str> {
     let count = mesh.positions.len();
     let fits = |length: usize, all: usize| length == 0 || length == all;
     if u32::try_from(count).is_err() || u32::try_from(3 * mesh.triangles.len()).is_err() {
@@ -193,13 +193,13 @@ fn same_place(vertices: &[MeshVertex]) -> Vec<u32> {
 }
 
 /// The vertices of a mesh by their values, and by their places.
-pub(super) struct KnownVertices {
+pub(in crate::build) struct KnownVertices {
     of_value: IntegerMap<(u128, u64), u32>,
     of_place: IntegerMap<u64, u32>,
 }
 
 impl KnownVertices {
-    pub(super) fn of(mesh: &GridMesh) -> Self {
+    pub(in crate::build) fn of(mesh: &GridMesh) -> Self {
         let mut known = Self {
             of_value: IntegerMap::default(),
             of_place: IntegerMap::default(),
@@ -212,7 +212,7 @@ impl KnownVertices {
     }
 
     /// The number of a vertex; added to the mesh if it has none of this value.
-    pub(super) fn number(&mut self, mesh: &mut GridMesh, vertex: MeshVertex) -> u32 {
+    pub(in crate::build) fn number(&mut self, mesh: &mut GridMesh, vertex: MeshVertex) -> u32 {
         let next = mesh.vertices.len() as u32;
         let number = *self.of_value.entry(key(&vertex)).or_insert(next);
         if number == next {

@@ -1,6 +1,10 @@
 //! What may be asked of selection: which policy, with which parameters?
 
-use crate::content::calibration::{Expectation, slope_for};
+pub mod asked;
+pub mod calibration;
+pub mod policies;
+
+use crate::content::policy::calibration::{Expectation, slope_for};
 use crate::perception::acuity::AcuityModel;
 use crate::perception::parameters::Parameters;
 use crate::units::Radians;

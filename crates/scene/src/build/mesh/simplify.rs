@@ -4,8 +4,8 @@ mod folds;
 mod scattered;
 
 use super::clusters::{GraphCluster, Part, adapter};
-use super::mesh::{GridMesh, KnownVertices};
-use super::numbering::Numbering;
+use super::grid_mesh::{GridMesh, KnownVertices};
+use crate::build::numbering::Numbering;
 use folds::{Unfolded, unfold};
 use foveal_core::content::mesh::octahedral::direction_from_octahedral;
 use foveal_core::content::mesh::payload::MeshVertex;
@@ -27,7 +27,7 @@ const COLOUR_WEIGHT: f32 = 0.5;
 const SLIDE_WEIGHT: f32 = 0.5;
 
 /// A group with about half the triangles.
-pub(super) struct Simplified {
+pub(in crate::build) struct Simplified {
     /// The coarse clusters.
     pub clusters: Vec<GraphCluster>,
     /// How far they are from the fine ones, in steps of the grid.
@@ -39,7 +39,7 @@ pub(super) struct Simplified {
 }
 
 /// Simplifies a group, given whether each vertex of the mesh stays; none where it is stuck.
-pub(super) fn simplify(
+pub(in crate::build) fn simplify(
     mesh: &GridMesh,
     fine: &[&GraphCluster],
     locked: &[bool],
@@ -95,7 +95,7 @@ pub(super) fn simplify(
 impl Simplified {
     /// Gives the mesh the added vertices, each value once; corners assumed the number `there` for
     /// the first. `known` has the vertices of the mesh once any was added.
-    pub(super) fn take_into(
+    pub(in crate::build) fn take_into(
         &mut self,
         mesh: &mut GridMesh,
         there: u32,
