@@ -5,16 +5,11 @@
 
 #![no_main]
 
-use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
-use foveal_core::content::video::bytes::codec::Codec;
-use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::bytes::pack::parse_anything;
-use foveal_core::content::video::bytes::rate::QualityScale;
-use foveal_core::content::video::grid::tile_grid::Cut;
+use foveal_core::content::video::bytes::small_pack::{small_description, small_pack};
 use foveal_core::pack::{HEADER_BYTES, SideTable};
-use foveal_core::view::picture::{Colour, Matrix};
-use foveal_core::view::surface::{Mapping, Projection, Screen};
 use libfuzzer_sys::fuzz_target;
+use std::ops::Range;
 use std::sync::OnceLock;
 
 static GOOD: OnceLock<Vec<u8>> = OnceLock::new();
@@ -31,67 +26,14 @@ fuzz_target!(|data: &[u8]| {
 });
 
 fn good_pack() -> Vec<u8> {
-    let description = Description {
-        generator: String::new(),
-        projection: Projection::Flat,
-        size: [40, 24],
-        eyes: 1,
-        cube_faces: 6,
-        mapping: Mapping::Gnomonic,
-        pixel_aspect: [1, 1],
-        front_deg: 0.0,
-        cut: Cut::Tile(16),
-        levels: 2,
-        ratio: 2,
-        codec: Codec::Png,
-        quality: vec![0; 2],
-        quality_scale: QualityScale::default(),
-        bit_rates: Vec::new(),
-        groups: vec![2, 4],
-        frames: 5,
-        frame_rate: [25, 1],
-        colour: Colour {
-            matrix: Matrix::Bt601,
-            full_range: true,
-            chroma_left: false,
-        },
-        source: Source {
-            name: String::new(),
-            size: [40, 24],
-            bytes: 1,
-            codec: String::new(),
-        },
-        identity: None,
-        loss: None,
-        last_frame_s: None,
-        remarks: Vec::new(),
-        repairs: Default::default(),
-        tables: Vec::new(),
-    };
-    let grid = description.grid(Screen::default());
-    let mut builder = begin_pack(&description);
-    let mut chunks = Vec::new();
-    for level in 0..2 {
-        let group = description.groups[usize::from(level)];
-        for first in (0..description.frames).step_by(group as usize) {
-            let frames = group.min(description.frames - first);
-            for tile in grid.tiles_of(level) {
-                chunks.extend(push_tile(
-                    &mut builder,
-                    tile,
-                    first,
-                    &vec![vec![7; 3]; frames as usize],
-                ));
-            }
-        }
-    }
     let table = SideTable {
         name: "frame_times".to_owned(),
         version: 1,
         bytes: vec![0; 40],
     };
-    let parts = finish_pack(builder, description, &[table]).expect("every unit was pushed");
-    [parts.head, chunks, parts.tail].concat()
+    let about = small_description([40, 24], 16, &[2, 4], 5);
+    let units = |_, frames: Range<u32>| vec![vec![7; 3]; frames.len()];
+    small_pack(about, &[table], units).expect("every unit is pushed")
 }
 
 fn repair_checksums(pack: &mut [u8]) {

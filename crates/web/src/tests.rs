@@ -8,15 +8,15 @@ use crate::page_player::{PagePlayer, flag};
 use crate::stretches::{Arrival, Need, Part};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::video::Video;
-use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
-use foveal_core::content::video::bytes::codec::Codec;
-use foveal_core::content::video::bytes::description::{Description, Source};
-use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::content::video::bytes::description::Description;
+use foveal_core::content::video::bytes::small_pack::{
+    refining_units, small_description, small_pack,
+};
+use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::pack::unit::UnitId;
 use foveal_core::pack::{PackError, SideTable};
 use foveal_core::units::Seconds;
-use foveal_core::view::picture::{Colour, Matrix, Picture};
-use foveal_core::view::surface::{Projection, Screen};
+use foveal_core::view::picture::Picture;
 use std::collections::HashSet;
 use std::sync::Arc;
 
@@ -28,42 +28,8 @@ const FRAMES: u32 = 12;
 
 fn description() -> Description {
     Description {
-        generator: "test".into(),
-        projection: Projection::Flat,
-        size: SIZE,
-        eyes: 1,
-        cube_faces: 6,
-        mapping: foveal_core::view::surface::Mapping::Gnomonic,
-        pixel_aspect: [1, 1],
-        front_deg: 0.0,
-        cut: Cut::Tile(32),
-        levels: 3,
         ratio: 4,
-        codec: Codec::Png,
-        quality: vec![0; 3],
-        quality_scale: Default::default(),
-        quality_by_tile: false,
-        bit_rates: Vec::new(),
-        groups: vec![4, 4, 12],
-        frames: FRAMES,
-        frame_rate: [25, 1],
-        colour: Colour {
-            matrix: Matrix::Bt709,
-            full_range: false,
-            chroma_left: true,
-        },
-        source: Source {
-            name: "a.mkv".into(),
-            size: SIZE,
-            bytes: 9,
-            codec: "x".into(),
-        },
-        identity: None,
-        loss: None,
-        last_frame_s: None,
-        remarks: Vec::new(),
-        repairs: Default::default(),
-        tables: vec![],
+        ..small_description(SIZE, 32, &[4, 4, 12], FRAMES)
     }
 }
 
@@ -80,22 +46,8 @@ impl Host {
     /// With side tables for so many units finer than the coarsest level.
     fn with(tables: impl FnOnce(usize) -> Vec<SideTable>) -> Self {
         let about = description();
-        let grid = about.grid(Screen::default());
-        let mut builder = begin_pack(&about);
-        let mut chunks = Vec::new();
-        let mut finer = 0;
-        for level in (0..3).rev() {
-            let group = about.groups[usize::from(level)];
-            for first in (0..FRAMES).step_by(group as usize) {
-                for tile in grid.tiles_of(level) {
-                    finer += usize::from(level < 2);
-                    let units = vec![vec![7; 5]; group as usize];
-                    chunks.extend(push_tile(&mut builder, tile, first, &units));
-                }
-            }
-        }
-        let finished = finish_pack(builder, about, &tables(finer)).unwrap();
-        let file = [finished.head, chunks, finished.tail].concat();
+        let tables = tables(refining_units(&about));
+        let file = small_pack(about, &tables, |_, frames| vec![vec![7; 5]; frames.len()]).unwrap();
         Self { file }
     }
 

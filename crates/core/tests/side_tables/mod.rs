@@ -4,88 +4,30 @@
 
 use foveal_core::content::demand::Demand;
 use foveal_core::content::policy::{Policy, PolicyConfig};
-use foveal_core::content::video::bytes::build::{begin_pack, finish_pack, push_tile};
-use foveal_core::content::video::bytes::codec::Codec;
 use foveal_core::content::video::bytes::cue_table::{CUES_VERSION, CueTable};
-use foveal_core::content::video::bytes::description::{Description, Source};
 use foveal_core::content::video::bytes::pack::VideoPack;
-use foveal_core::content::video::bytes::rate::QualityScale;
 use foveal_core::content::video::bytes::signatures::{SIGNATURES_VERSION, Signatures};
+use foveal_core::content::video::bytes::small_pack::{open_file, small_description, small_pack};
 use foveal_core::content::video::demand::VideoDemand;
-use foveal_core::content::video::grid::tile_grid::{Cut, Tile};
+use foveal_core::content::video::grid::tile_grid::Tile;
 use foveal_core::content::video::units::VideoUnits;
 use foveal_core::gaze::sample::GazeSample;
 use foveal_core::pack::unit::UnitId;
-use foveal_core::pack::{HEADER_BYTES, Header, SideTable};
 use foveal_core::perception::measures::contrast::Signature;
 use foveal_core::perception::measures::cues::Cues;
 use foveal_core::perception::moment::Moment;
 use foveal_core::perception::parameters::{Model, Parameters};
 use foveal_core::selection::scheduler::Scheduler;
 use foveal_core::units::{Radians, Seconds};
-use foveal_core::view::picture::{Colour, Matrix};
-use foveal_core::view::surface::{Projection, Screen};
 use std::sync::Arc;
 
 /// A pack of three levels and a short last group, without side tables.
-fn small_pack() -> VideoPack {
-    let description = Description {
-        generator: String::new(),
-        projection: Projection::Flat,
-        size: [100, 60],
-        eyes: 1,
-        cube_faces: 6,
-        mapping: foveal_core::view::surface::Mapping::Gnomonic,
-        pixel_aspect: [1, 1],
-        front_deg: 0.0,
-        cut: Cut::Tile(16),
-        levels: 3,
-        ratio: 2,
-        codec: Codec::Png,
-        quality: vec![0; 3],
-        quality_scale: QualityScale::default(),
-        quality_by_tile: false,
-        bit_rates: Vec::new(),
-        groups: vec![2, 2, 4],
-        frames: 5,
-        frame_rate: [25, 1],
-        colour: Colour {
-            matrix: Matrix::Bt601,
-            full_range: true,
-            chroma_left: false,
-        },
-        source: Source {
-            name: String::new(),
-            size: [100, 60],
-            bytes: 1,
-            codec: String::new(),
-        },
-        identity: None,
-        loss: None,
-        last_frame_s: None,
-        remarks: Vec::new(),
-        repairs: Default::default(),
-        tables: Vec::new(),
-    };
-    let grid = description.grid(Screen::default());
-    let mut builder = begin_pack(&description);
-    for level in 0..3 {
-        let group = description.groups[usize::from(level)];
-        for first in (0..description.frames).step_by(group as usize) {
-            for tile in grid.tiles_of(level) {
-                push_tile(
-                    &mut builder,
-                    tile,
-                    first,
-                    &[vec![7; 20 + usize::from(tile.x) * 9]],
-                );
-            }
-        }
-    }
-    let none: [SideTable; 0] = [];
-    let parts = finish_pack(builder, description, &none).unwrap();
-    let header = Header::parse(&parts.head).unwrap();
-    VideoPack::parse(&header, &parts.head[HEADER_BYTES..], &parts.tail).unwrap()
+fn pack_without_tables() -> VideoPack {
+    let about = small_description([100, 60], 16, &[2, 2, 4], 5);
+    let units = |tile: Tile, _| vec![vec![7; 20 + usize::from(tile.x) * 9]];
+    open_file(&small_pack(about, &[], units).unwrap())
+        .unwrap()
+        .1
 }
 
 /// Bytes of the two side tables of a pack.
@@ -139,7 +81,7 @@ pub(crate) struct Target {
 
 impl Target {
     pub(crate) fn new() -> Self {
-        let pack = Arc::new(small_pack());
+        let pack = Arc::new(pack_without_tables());
         let [signatures, _] = table_bytes(&pack);
         let busy = Signatures::parse(&pack, SIGNATURES_VERSION, vec![200; signatures]);
         let busy: Arc<dyn VideoUnits> = Arc::new(KnownUnits {

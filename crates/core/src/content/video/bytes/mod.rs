@@ -12,6 +12,8 @@ mod needs;
 pub mod pack;
 pub mod rate;
 pub mod signatures;
+#[cfg(any(test, feature = "testing"))]
+pub mod small_pack;
 pub mod sound;
 #[cfg(test)]
 mod tests;

@@ -2,97 +2,38 @@
 
 use super::build::{begin_pack, finish_pack, push_tile};
 use super::chunk::split_chunk;
-use super::description::{Description, Loss, MAX_FRAMES, Source};
+use super::description::{Description, Loss, MAX_FRAMES};
 use super::pack::{VideoPack, numbers_of, parse_anything};
-use crate::content::video::bytes::codec::Codec;
+use super::small_pack::{open_file, small_description, small_pack};
 use crate::content::video::bytes::rate::QualityScale;
 use crate::content::video::grid::tile_grid::{Cut, Tile};
 use crate::pack::unit::UnitId;
-use crate::pack::{
-    Entry, HEADER_BYTES, Header, Identity, PackError, SideTable, UnitPlace, check_crc, u32_at,
-};
-use crate::view::picture::{Colour, Matrix};
+use crate::pack::{Entry, HEADER_BYTES, Header, Identity, SideTable, UnitPlace, check_crc, u32_at};
 use crate::view::surface::{Mapping, Projection, Screen};
+use std::ops::Range;
 
 fn description() -> Description {
-    Description {
-        generator: "test".into(),
-        projection: Projection::Flat,
-        size: [100, 60],
-        eyes: 1,
-        cube_faces: 6,
-        mapping: Mapping::Gnomonic,
-        pixel_aspect: [1, 1],
-        front_deg: 0.0,
-        cut: Cut::Tile(32),
-        levels: 3,
-        ratio: 2,
-        codec: Codec::Png,
-        quality: vec![0; 3],
-        quality_scale: QualityScale::default(),
-        quality_by_tile: false,
-        bit_rates: Vec::new(),
-        groups: vec![2, 4, 4],
-        frames: 7,
-        frame_rate: [30, 1],
-        colour: Colour {
-            matrix: Matrix::Bt709,
-            full_range: false,
-            chroma_left: true,
-        },
-        source: Source {
-            name: "a.mkv".into(),
-            size: [100, 60],
-            bytes: 9,
-            codec: "x".into(),
-        },
-        identity: None,
-        loss: None,
-        last_frame_s: None,
-        remarks: Vec::new(),
-        repairs: Default::default(),
-        tables: vec![],
-    }
+    small_description([100, 60], 32, &[2, 4, 4], 7)
 }
 
 /// A whole small pack with chunks of pseudo-random bytes.
 fn pack_bytes() -> Vec<u8> {
-    let description = description();
-    let grid = description.grid(Screen::default());
-    let mut builder = begin_pack(&description);
-    let mut chunks = Vec::new();
-    for level in (0..3).rev() {
-        let group = description.groups[usize::from(level)];
-        for first in (0..description.frames).step_by(group as usize) {
-            for tile in grid.tiles_of(level) {
-                let frames = group.min(description.frames - first);
-                let units: Vec<Vec<u8>> = (0..frames)
-                    .map(|f| vec![(f * 31 + u32::from(tile.x)) as u8; 3 + f as usize])
-                    .collect();
-                chunks.extend(push_tile(&mut builder, tile, first, &units));
-            }
-        }
-    }
     let table = SideTable {
         name: "frame_times".into(),
         version: 1,
         bytes: vec![5; 56],
     };
-    let finished = finish_pack(builder, description, &[table]).unwrap();
-    [finished.head, chunks, finished.tail].concat()
-}
-
-fn read(bytes: &[u8]) -> Result<(Header, VideoPack), PackError> {
-    let header = Header::parse(bytes)?;
-    let description = &bytes[HEADER_BYTES..][..header.description_bytes as usize];
-    let index = &bytes[header.index_offset as usize..][..header.index_bytes as usize];
-    Ok((header, VideoPack::parse(&header, description, index)?))
+    let units = |tile: Tile, frames: Range<u32>| {
+        let unit = |f: u32| vec![(f * 31 + u32::from(tile.x)) as u8; 3 + f as usize];
+        (0..frames.len() as u32).map(unit).collect()
+    };
+    small_pack(description(), &[table], units).unwrap()
 }
 
 #[test]
 fn a_pack_reads_back_as_it_was_written() {
     let bytes = pack_bytes();
-    let (header, pack) = read(&bytes).unwrap();
+    let (header, pack) = open_file(&bytes).unwrap();
     assert_eq!(header.file_bytes, bytes.len() as u64);
     pack.check_coverage(&header).unwrap();
     for unit in pack.units() {
@@ -115,7 +56,7 @@ fn a_pack_reads_back_as_it_was_written() {
 #[test]
 fn pages_of_the_index_come_in_any_order_and_tell_the_same() {
     let bytes = pack_bytes();
-    let (header, whole) = read(&bytes).unwrap();
+    let (header, whole) = open_file(&bytes).unwrap();
     let description = &bytes[HEADER_BYTES..][..header.description_bytes as usize];
     let part = VideoPack::begin(&header, description).unwrap();
     let pages: Vec<u32> = (0..)
@@ -227,13 +168,9 @@ fn written(description: Description) -> Vec<u8> {
         frames: 1,
         ..description
     };
-    let mut builder = begin_pack(&description);
-    let grid = description.grid(Screen::default());
-    for tile in grid.tiles_of(0) {
-        push_tile(&mut builder, tile, 0, &[vec![1]]);
-    }
-    let head = finish_pack(builder, description, &[]).unwrap().head;
-    head[HEADER_BYTES..].to_vec()
+    let file = small_pack(description, &[], |_, _| vec![vec![1]]).unwrap();
+    let bytes = Header::parse(&file).unwrap().description_bytes;
+    file[HEADER_BYTES..][..bytes as usize].to_vec()
 }
 
 #[test]
@@ -348,7 +285,7 @@ fn eyes_faces_pixels_and_fronts_out_of_range_are_refused() {
 
 #[test]
 fn units_of_the_coarsest_level_come_first() {
-    let (_, pack) = read(&pack_bytes()).unwrap();
+    let (_, pack) = open_file(&pack_bytes()).unwrap();
     assert_eq!(
         pack.tile_of(UnitId(0)),
         Tile {
@@ -365,7 +302,7 @@ fn units_of_the_coarsest_level_come_first() {
 #[test]
 fn every_flipped_byte_outside_the_chunks_is_found() {
     let good = pack_bytes();
-    let (header, pack) = read(&good).unwrap();
+    let (header, pack) = open_file(&good).unwrap();
     let table = pack.description().tables[0].clone();
     for place in 0..good.len() {
         let mut bad = good.clone();
@@ -385,7 +322,7 @@ fn every_flipped_byte_outside_the_chunks_is_found() {
         let found = if in_chunk {
             chunk_fails()
         } else {
-            read(&bad).is_err() || table_fails()
+            open_file(&bad).is_err() || table_fails()
         };
         assert!(found, "byte {place}");
     }
