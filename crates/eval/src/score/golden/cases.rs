@@ -17,66 +17,77 @@ const fn foveated(round: GoldenGaze, [radius, tile]: [f64; 2], late: u32) -> Tes
     }
 }
 
+/// A still on a headset, foveated round its middle.
+const STILL: Golden = Golden {
+    id: "",
+    size: [256, 256],
+    frames: 1,
+    fps: None,
+    display: "standard_hmd",
+    speed: 0.0,
+    test: foveated(GoldenGaze::At([128.0, 128.0]), [24.0, 16.0], 0),
+    gaze: GoldenGaze::Everywhere,
+    sha256: ["3b29524bc642acd5", "7a3e2e0210da293e"],
+    psnr_db: 20.106,
+    jod: 0.0,
+    jod_fine_table: 0.0,
+    jod_right_border: 0.0,
+    sustained: &[],
+    transient: &[],
+};
+/// A video on a headset, foveated along a path.
+const VIDEO: Golden = Golden {
+    size: [320, 240],
+    frames: 12,
+    fps: Some(30.0),
+    speed: 3.0,
+    test: foveated(PATH, [24.0, 16.0], 0),
+    sha256: ["98ba0562dc03ed53", "1b81662422eff780"],
+    psnr_db: 20.180,
+    ..STILL
+};
+/// The photograph on a headset, foveated round the face.
+const PORTRAIT: Golden = Golden {
+    size: [512, 512],
+    test: foveated(GoldenGaze::At([255.0, 120.0]), [48.0, 32.0], 0),
+    sha256: ["a8c429c18afa7b0f", "d2186d813104748e"],
+    psnr_db: 20.913,
+    ..STILL
+};
+
 /// Every case whose reference comes from a formula.
 pub(super) const GOLDENS: [Golden; 13] = [
     Golden {
         id: "G1",
-        size: [256, 256],
-        frames: 1,
-        fps: None,
         display: "standard_fhd",
-        speed: 0.0,
-        test: foveated(GoldenGaze::At([128.0, 128.0]), [24.0, 16.0], 0),
-        gaze: GoldenGaze::Everywhere,
-        sha256: ["3b29524bc642acd5", "7a3e2e0210da293e"],
-        psnr_db: 20.106,
         jod: 6.27135,
         jod_fine_table: 6.2685,
         jod_right_border: 6.2713,
         sustained: &[56.75, 4934.74, 3089.71, 909.129, 805.322, 71.3477],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G2",
-        size: [256, 256],
-        frames: 1,
-        fps: None,
-        display: "standard_hmd",
-        speed: 0.0,
-        test: foveated(GoldenGaze::At([128.0, 128.0]), [24.0, 16.0], 0),
         gaze: GoldenGaze::At([128.0, 128.0]),
-        sha256: ["3b29524bc642acd5", "7a3e2e0210da293e"],
-        psnr_db: 20.106,
         jod: 8.42211,
         jod_fine_table: 8.4170,
         jod_right_border: 8.4221,
         sustained: &[2.67358, 238.944, 972.828, 439.004, 652.503],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G3",
-        size: [256, 256],
-        frames: 1,
-        fps: None,
-        display: "standard_hmd",
-        speed: 0.0,
-        test: foveated(GoldenGaze::At([128.0, 128.0]), [24.0, 16.0], 0),
         gaze: GoldenGaze::At([40.0, 60.0]),
-        sha256: ["3b29524bc642acd5", "7a3e2e0210da293e"],
-        psnr_db: 20.106,
         jod: 8.10340,
         jod_fine_table: 8.0971,
         jod_right_border: 8.1034,
         sustained: &[3.23315, 909.876, 1142.65, 490.047, 601.3],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G4",
         size: [321, 243],
-        frames: 1,
-        fps: None,
         display: "standard_fhd",
-        speed: 0.0,
         test: foveated(GoldenGaze::At([160.0, 121.0]), [24.0, 16.0], 0),
         gaze: GoldenGaze::At([200.0, 100.0]),
         sha256: ["d8709b93610a9c0e", "694c6ef1ae195a43"],
@@ -85,15 +96,12 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_fine_table: 7.8666,
         jod_right_border: 7.8212,
         sustained: &[0.468631, 341.922, 1708.87, 861.933, 516.954, 393.32],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G7",
         size: [1920, 1080],
-        frames: 1,
-        fps: None,
         display: "standard_fhd",
-        speed: 0.0,
         test: foveated(GoldenGaze::At([480.0, 300.0]), [96.0, 32.0], 0),
         gaze: GoldenGaze::At([480.0, 300.0]),
         sha256: ["fa9032c53902e6da", "e463ec90ebea1353"],
@@ -102,15 +110,12 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_fine_table: 6.5369,
         jod_right_border: 6.5263,
         sustained: &[0.239237, 245.916, 2091.33, 2827.71, 2851.93, 654.31],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G8",
         size: [1440, 1600],
-        frames: 1,
-        fps: None,
         display: "htc_vive_pro",
-        speed: 0.0,
         test: foveated(GoldenGaze::At([720.0, 800.0]), [96.0, 32.0], 0),
         gaze: GoldenGaze::At([720.0, 800.0]),
         sha256: ["5061e2ef398cc1cb", "57380f6af237a4d6"],
@@ -119,32 +124,20 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_fine_table: 7.2790,
         jod_right_border: 7.2875,
         sustained: &[4.97664, 714.527, 1982.88, 1543.06, 1516.69],
-        transient: &[],
+        ..STILL
     },
     Golden {
         id: "G9",
-        size: [320, 240],
-        frames: 12,
-        fps: Some(30.0),
-        display: "standard_hmd",
-        speed: 3.0,
-        test: foveated(PATH, [24.0, 16.0], 0),
         gaze: PATH,
-        sha256: ["98ba0562dc03ed53", "1b81662422eff780"],
-        psnr_db: 20.180,
         jod: 7.67200,
         jod_fine_table: 7.6650,
         jod_right_border: 7.6324,
         sustained: &[2.96084, 284.973, 1356.39, 1064.16, 571.929],
         transient: &[0.925473, 88.2105, 350.907, 421.017, 617.472],
+        ..VIDEO
     },
     Golden {
         id: "G10",
-        size: [320, 240],
-        frames: 12,
-        fps: Some(30.0),
-        display: "standard_hmd",
-        speed: 3.0,
         test: foveated(PATH, [24.0, 16.0], 4),
         gaze: PATH,
         sha256: ["98ba0562dc03ed53", "52d4a2b0fb858d9e"],
@@ -154,47 +147,31 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_right_border: 7.0764,
         sustained: &[6.41326, 653.99, 1788.91, 1499.85, 707.643],
         transient: &[2.48855, 198.587, 333.309, 658.913, 834.697],
+        ..VIDEO
     },
     Golden {
         id: "G11",
-        size: [320, 240],
-        frames: 12,
-        fps: Some(30.0),
-        display: "standard_hmd",
-        speed: 3.0,
-        test: foveated(PATH, [24.0, 16.0], 0),
         gaze: GoldenGaze::At([160.0, 120.0]),
-        sha256: ["98ba0562dc03ed53", "1b81662422eff780"],
-        psnr_db: 20.180,
         jod: 7.33896,
         jod_fine_table: 7.3327,
         jod_right_border: 7.2937,
         sustained: &[8.18706, 477.639, 1652.98, 1269.55, 656.985],
         transient: &[3.65367, 195.624, 437.479, 544.613, 779.478],
+        ..VIDEO
     },
     Golden {
         id: "G12",
-        size: [320, 240],
-        frames: 12,
         fps: Some(90.0),
         display: "standard_fhd",
-        speed: 3.0,
-        test: foveated(PATH, [24.0, 16.0], 0),
-        gaze: GoldenGaze::Everywhere,
-        sha256: ["98ba0562dc03ed53", "1b81662422eff780"],
-        psnr_db: 20.180,
         jod: 4.84014,
         jod_fine_table: 4.8365,
         jod_right_border: 4.7680,
         sustained: &[35.9064, 4921.19, 3971.54, 2438.98, 997.383, 279.902],
         transient: &[5.64513, 1590.76, 1351.98, 824.832, 1096.03, 858.765],
+        ..VIDEO
     },
     Golden {
         id: "G13",
-        size: [320, 240],
-        frames: 12,
-        fps: Some(30.0),
-        display: "standard_hmd",
         speed: 0.0,
         test: TestPicture::Pop(6),
         gaze: GoldenGaze::At([160.0, 120.0]),
@@ -205,12 +182,12 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_right_border: 9.5798,
         sustained: &[5.34936, 56.9592, 34.8792, 13.1416, 13.2966],
         transient: &[0.719211, 27.5228, 60.5125, 196.48, 103.648],
+        ..VIDEO
     },
     Golden {
         id: "G14",
         size: [1920, 1080],
         frames: 3,
-        fps: Some(30.0),
         display: "standard_fhd",
         speed: 4.0,
         test: foveated(WIDE_PATH, [96.0, 32.0], 0),
@@ -222,14 +199,10 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod_right_border: 5.6630,
         sustained: &[0.354129, 528.762, 2555.71, 2825.18, 2958.28, 568.907],
         transient: &[0.0558348, 82.1993, 555.04, 987.87, 1393.73, 1298.6],
+        ..VIDEO
     },
     Golden {
         id: "G15",
-        size: [256, 256],
-        frames: 1,
-        fps: None,
-        display: "standard_hmd",
-        speed: 0.0,
         test: TestPicture::Same,
         gaze: GoldenGaze::At([128.0, 128.0]),
         sha256: ["3b29524bc642acd5", "3b29524bc642acd5"],
@@ -237,8 +210,7 @@ pub(super) const GOLDENS: [Golden; 13] = [
         jod: 10.00000,
         jod_fine_table: 10.0000,
         jod_right_border: 10.0000,
-        sustained: &[],
-        transient: &[],
+        ..STILL
     },
 ];
 
@@ -246,38 +218,22 @@ pub(super) const GOLDENS: [Golden; 13] = [
 pub(super) const PHOTOGRAPHED: [Golden; 2] = [
     Golden {
         id: "G5",
-        size: [512, 512],
-        frames: 1,
-        fps: None,
-        display: "standard_hmd",
-        speed: 0.0,
-        test: foveated(GoldenGaze::At([255.0, 120.0]), [48.0, 32.0], 0),
         gaze: GoldenGaze::At([255.0, 120.0]),
-        sha256: ["a8c429c18afa7b0f", "d2186d813104748e"],
-        psnr_db: 20.913,
         jod: 8.43239,
         jod_fine_table: 8.4286,
         jod_right_border: 8.4324,
         sustained: &[3.30155, 413.069, 777.376, 590.613, 496.238],
-        transient: &[],
+        ..PORTRAIT
     },
     Golden {
         id: "G6",
-        size: [512, 512],
-        frames: 1,
-        fps: None,
         display: "standard_4k",
-        speed: 0.0,
-        test: foveated(GoldenGaze::At([255.0, 120.0]), [48.0, 32.0], 0),
-        gaze: GoldenGaze::Everywhere,
-        sha256: ["a8c429c18afa7b0f", "d2186d813104748e"],
-        psnr_db: 20.913,
         jod: 7.51087,
         jod_fine_table: 7.5063,
         jod_right_border: 7.5109,
         sustained: &[
             2.04132, 1013.26, 1637.16, 1063.91, 559.215, 682.475, 25.1039,
         ],
-        transient: &[],
+        ..PORTRAIT
     },
 ];
