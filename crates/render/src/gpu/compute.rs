@@ -2,6 +2,7 @@
 
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
+use crate::gpu::pipeline::module;
 use crate::gpu::timer::Timer;
 use crate::shaders::ComputeShader;
 
@@ -50,12 +51,7 @@ impl Compute {
     /// The pass of a shader, whose text says what is bound in group 0.
     #[must_use]
     pub fn new(gpu: &Gpu, shader: &ComputeShader) -> Self {
-        let module = gpu
-            .device
-            .create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(shader.name),
-                source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-            });
+        let module = module(gpu, shader.name, &shader.text);
         let pipeline = gpu
             .device
             .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {

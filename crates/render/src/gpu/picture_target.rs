@@ -2,6 +2,7 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::textures::texture_array;
 
 /// Format of every picture drawn.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -23,21 +24,16 @@ impl PictureTarget {
 
     /// A target whose picture has room for so many halves, itself the first.
     pub(crate) fn with_mips(gpu: &Gpu, size: [u32; 2], mips: u32) -> Self {
-        let texture = |format, usage, mip_level_count| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("picture"),
-                size: wgpu::Extent3d {
-                    width: size[0],
-                    height: size[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
+        let texture = |format, usage, mips| {
+            let usage = usage | wgpu::TextureUsages::RENDER_ATTACHMENT;
+            let [width, height] = size;
+            texture_array(
+                &gpu.device,
+                "picture",
+                [width, height, 1, mips],
                 format,
-                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
+                usage,
+            )
         };
         let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
         let picture = texture(FORMAT, read, mips);

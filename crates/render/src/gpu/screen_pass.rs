@@ -3,6 +3,7 @@
 use crate::gpu::bindings::bind;
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::{Area, DEPTH_FORMAT, FORMAT};
+use crate::gpu::pipeline::{Drawing, module, pipeline};
 use crate::shaders::Shader;
 
 /// A pass that draws a triangle over all of a picture, once a step, with bindings of its own.
@@ -166,19 +167,7 @@ fn pipelines(
     layout: &wgpu::BindGroupLayout,
     blend: Option<wgpu::BlendState>,
 ) -> Vec<wgpu::RenderPipeline> {
-    let module = gpu
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(shader.name),
-            source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-        });
-    let layout = gpu
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(shader.name),
-            bind_group_layouts: &[Some(layout)],
-            immediate_size: 0,
-        });
+    let module = module(gpu, shader.name, &shader.text);
     let depth = has_depth(shader.steps.len()).then(|| wgpu::DepthStencilState {
         format: DEPTH_FORMAT,
         depth_write_enabled: Some(true),
@@ -186,34 +175,19 @@ fn pipelines(
         stencil: wgpu::StencilState::default(),
         bias: wgpu::DepthBiasState::default(),
     });
-    let targets = [Some(wgpu::ColorTargetState {
-        format: FORMAT,
-        blend,
-        write_mask: wgpu::ColorWrites::ALL,
-    })];
-    let step = |[vertex, fragment]: &[&'static str; 2]| {
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(fragment),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some(vertex),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    buffers: &[],
-                },
-                primitive: wgpu::PrimitiveState::default(),
-                depth_stencil: depth.clone(),
-                multisample: wgpu::MultisampleState::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &targets,
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+    let step = |entries: &[&'static str; 2]| {
+        let drawing = Drawing {
+            layout: Some(layout),
+            primitive: wgpu::PrimitiveState::default(),
+            depth: depth.clone(),
+            target: wgpu::ColorTargetState {
+                format: FORMAT,
+                blend,
+                write_mask: wgpu::ColorWrites::ALL,
+            },
+            constants: &[],
+        };
+        pipeline(gpu, &module, *entries, drawing)
     };
     shader.steps.iter().map(step).collect()
 }

@@ -1,5 +1,6 @@
 //! Which pictures are judged, and which unit has each of their pixels?
 
+use crate::gpu::textures::{texture_array, write_texels};
 use crate::{error::RenderError, gpu::device::Gpu, image::RgbaImage};
 
 /// Format of level pictures: sRGB codes as they are.
@@ -63,27 +64,9 @@ fn upload(
             found: format!("{} pixels", bytes.len() / 4),
         });
     }
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(what),
-        size: wgpu::Extent3d {
-            width: size[0],
-            height: size[1],
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(size[0] * 4),
-        rows_per_image: None,
-    };
-    gpu.queue
-        .write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+    let texture = texture_array(&gpu.device, what, [size[0], size[1], 1, 1], format, usage);
+    write_texels(gpu, &texture, [0; 4], size, bytes);
     Ok(texture)
 }
 

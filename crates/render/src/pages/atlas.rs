@@ -3,6 +3,7 @@
 //! In one texture array whose layers are cut into slots of one page each. It grows by layers.
 
 use crate::gpu::device::Gpu;
+use crate::gpu::textures::{texture_array, write_texels};
 use crate::pages::table::PageSlot;
 use foveal_core::content::images::picture::TexturePicture;
 use foveal_core::content::images::shape::{SLOT_BYTES, SLOT_SIDE};
@@ -137,23 +138,13 @@ impl PageAtlas {
 
     /// Writes a page with its border into a slot.
     pub(crate) fn write(&self, gpu: &Gpu, slot: PageSlot, picture: &TexturePicture) {
-        let [width, height] = picture.size;
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                origin: origin_of(slot),
-                ..self.texture.as_image_copy()
-            },
+        let wgpu::Origin3d { x, y, z } = origin_of(slot);
+        write_texels(
+            gpu,
+            &self.texture,
+            [x, y, z, 0],
+            picture.size,
             picture.bytes(),
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * width),
-                rows_per_image: None,
-            },
-            wgpu::Extent3d {
-                width,
-                height,
-                depth_or_array_layers: 1,
-            },
         );
     }
 }
@@ -169,20 +160,9 @@ fn layer_bytes(across: u32) -> u64 {
 }
 
 fn texture(gpu: &Gpu, side: u32, layers: u32) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("pages of textures"),
-        size: wgpu::Extent3d {
-            width: side,
-            height: side,
-            depth_or_array_layers: layers,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: FORMAT,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_DST
-            | wgpu::TextureUsages::COPY_SRC,
-        view_formats: &[],
-    })
+    let usage = wgpu::TextureUsages::TEXTURE_BINDING
+        | wgpu::TextureUsages::COPY_DST
+        | wgpu::TextureUsages::COPY_SRC;
+    let size = [side, side, layers, 1];
+    texture_array(&gpu.device, "pages of textures", size, FORMAT, usage)
 }

@@ -2,6 +2,7 @@
 
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::FORMAT;
+use crate::gpu::pipeline::{Drawing, module, pipeline};
 use crate::shaders::Shader;
 
 /// Format of the depths of clusters: the nearest is the largest, so that single precision
@@ -50,54 +51,31 @@ pub(crate) fn nearest_pipeline(
     phase: Phase,
     cull_mode: Option<wgpu::Face>,
 ) -> wgpu::RenderPipeline {
-    let device = &gpu.device;
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-    });
-    let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some(shader.name),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
     let (step, format) = match phase {
         Phase::Opaque | Phase::Transparent => (0, FORMAT),
         Phase::Ids => (1, UNITS_FORMAT),
     };
     let is_transparent = phase == Phase::Transparent;
-    let [vertex, fragment] = shader.steps[step];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(fragment),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some(vertex),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[],
-        },
+    let drawing = Drawing {
+        layout: Some(layout),
         primitive: wgpu::PrimitiveState {
             cull_mode,
             ..wgpu::PrimitiveState::default()
         },
-        depth_stencil: Some(wgpu::DepthStencilState {
+        depth: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
             depth_write_enabled: Some(!is_transparent),
             depth_compare: Some(wgpu::CompareFunction::Greater),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(fragment),
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: is_transparent.then_some(wgpu::BlendState::ALPHA_BLENDING),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+        target: wgpu::ColorTargetState {
+            format,
+            blend: is_transparent.then_some(wgpu::BlendState::ALPHA_BLENDING),
+            write_mask: wgpu::ColorWrites::ALL,
+        },
+        constants: &[],
+    };
+    let module = module(gpu, shader.name, &shader.text);
+    pipeline(gpu, &module, shader.steps[step], drawing)
 }

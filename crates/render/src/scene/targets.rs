@@ -3,6 +3,7 @@
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::{FORMAT, check_size};
+use crate::gpu::textures::texture_array;
 use crate::scene::phase::{DEPTH_FORMAT, Go, Phase, UNITS_FORMAT};
 
 /// Stands for no unit in an image of units.
@@ -28,20 +29,7 @@ impl SceneTarget {
             wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
         let copied = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST;
         let texture = |label, format, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
+            texture_array(&gpu.device, label, [width, height, 1, 1], format, usage)
         };
         let image = match phase {
             Phase::Opaque | Phase::Transparent => texture("picture", FORMAT, attached | copied),

@@ -3,6 +3,7 @@
 //! In one texture array of luma and one of chroma, both divided as [`AtlasShape`] says, which grow
 //! by layers. Chroma has two channels and half the size: U and V are always read together.
 
+use crate::gpu::textures::{texture_array, write_texels};
 use crate::tiles::atlas_shape::AtlasShape;
 use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::Samples};
 use foveal_core::content::video::grid::tile_grid::Tile;
@@ -16,22 +17,12 @@ pub(crate) struct Planes {
 impl Planes {
     fn new(gpu: &Gpu, shape: &AtlasShape, layers: u32) -> Self {
         let texture = |shrink, format| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("atlas"),
-                size: wgpu::Extent3d {
-                    width: shape.layer[0] / shrink,
-                    height: shape.layer[1] / shrink,
-                    depth_or_array_layers: layers,
-                },
-                mip_level_count: shape.mips,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_DST
-                    | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
+            let [width, height] = shape.layer.map(|side| side / shrink);
+            let size = [width, height, layers, shape.mips];
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_DST
+                | wgpu::TextureUsages::COPY_SRC;
+            texture_array(&gpu.device, "atlas", size, format, usage)
         };
         Self {
             luma: texture(1, wgpu::TextureFormat::R8Unorm),
@@ -45,11 +36,11 @@ impl Planes {
         let [y, u, v] = samples;
         let [left, top, layer] = place;
         let at = [left >> mip, top >> mip, layer, mip];
-        write(gpu, &self.luma, at, y.size, &y.codes);
+        write_texels(gpu, &self.luma, at, y.size, &y.codes);
         let pairs = u.codes.iter().zip(&v.codes);
         let pairs: Vec<u8> = pairs.flat_map(|(&u, &v)| [u, v]).collect();
         let at = [(left / 2) >> mip, (top / 2) >> mip, layer, mip];
-        write(gpu, &self.chroma, at, u.size, &pairs);
+        write_texels(gpu, &self.chroma, at, u.size, &pairs);
     }
 
     /// Bytes of both textures, all mips and layers.
@@ -66,29 +57,6 @@ impl Planes {
             })
         })
     }
-}
-
-fn write(gpu: &Gpu, texture: &wgpu::Texture, at: [u32; 4], size: [u32; 2], bytes: &[u8]) {
-    let [x, y, z, mip_level] = at;
-    gpu.queue.write_texture(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level,
-            origin: wgpu::Origin3d { x, y, z },
-            aspect: wgpu::TextureAspect::All,
-        },
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(bytes.len() as u32 / size[1]),
-            rows_per_image: None,
-        },
-        wgpu::Extent3d {
-            width: size[0],
-            height: size[1],
-            depth_or_array_layers: 1,
-        },
-    );
 }
 
 fn bytes(texture: &wgpu::Texture) -> u64 {

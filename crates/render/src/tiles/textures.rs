@@ -10,6 +10,7 @@ use crate::gpu::picture_target::PictureTarget;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gpu::readback::PictureCopy;
 use crate::gpu::screen_pass::{Reads, ScreenPass};
+use crate::gpu::textures::{texture_array, write_texels};
 use crate::params::{TileParams, ViewParams};
 use crate::shaders;
 use crate::tiles::blur::{Blur, FirstHalf, RadialBlur};
@@ -112,12 +113,9 @@ impl TextureRenderer {
             (1, &textures.chroma, &chroma),
         ] {
             let [step_x, step_y] = plane_size(step[0], step[1], plane);
-            let origin = wgpu::Origin3d {
-                x: u32::from(tile.x) * step_x,
-                y: u32::from(tile.y) * step_y,
-                z: u32::from(tile.face),
-            };
-            write(&self.gpu, texture, origin, picture.plane_size(plane), bytes);
+            let (x, y) = (u32::from(tile.x) * step_x, u32::from(tile.y) * step_y);
+            let at = [x, y, u32::from(tile.face), 0];
+            write_texels(&self.gpu, texture, at, picture.plane_size(plane), bytes);
         }
         self.frames.insert(tile, frame);
         Ok(())
@@ -230,48 +228,15 @@ impl LevelTextures {
     fn new(gpu: &Gpu, grid: &TileGrid, level: u8) -> Self {
         let texture = |plane, format| {
             let [width, height] = level_size(grid, level, plane);
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("level"),
-                size: wgpu::Extent3d {
-                    width,
-                    height,
-                    depth_or_array_layers: grid.faces(),
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
+            let size = [width, height, grid.faces(), 1];
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+            texture_array(&gpu.device, "level", size, format, usage)
         };
         Self {
             luma: texture(0, wgpu::TextureFormat::R8Unorm),
             chroma: texture(1, wgpu::TextureFormat::Rg8Unorm),
         }
     }
-}
-
-fn write(gpu: &Gpu, texture: &wgpu::Texture, origin: wgpu::Origin3d, size: [u32; 2], bytes: &[u8]) {
-    gpu.queue.write_texture(
-        wgpu::TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
-            origin,
-            aspect: wgpu::TextureAspect::All,
-        },
-        bytes,
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(bytes.len() as u32 / size[1]),
-            rows_per_image: None,
-        },
-        wgpu::Extent3d {
-            width: size[0],
-            height: size[1],
-            depth_or_array_layers: 1,
-        },
-    );
 }
 
 /// Every binding of the pass; levels that are not there repeat the coarsest and are never read.

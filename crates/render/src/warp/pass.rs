@@ -10,7 +10,9 @@ use crate::gpu::bindings::bind;
 use crate::gpu::buffers::{storage, written};
 use crate::gpu::device::Gpu;
 use crate::gpu::picture_target::check_size;
+use crate::gpu::pipeline::{Drawing, module, pipeline};
 use crate::gpu::readback::{PictureCopy, ReadBack};
+use crate::gpu::textures::texture_array;
 use crate::gpu::timer::Timer;
 use crate::shaders::{Shader, reduce_source, warp};
 use std::cell::OnceCell;
@@ -68,7 +70,7 @@ impl Warper {
         Self {
             gpu: gpu.clone(),
             fill: Default::default(),
-            reduce: pipeline(
+            reduce: pipeline_of(
                 gpu,
                 &reduce_source(),
                 SOURCE_FORMAT,
@@ -94,22 +96,16 @@ impl Warper {
         check_size(gpu, size)?;
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]);
         let atlas = gpu.roomed(("the picture of all panels", bytes), |device| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("panels"),
-                size: wgpu::Extent3d {
-                    width: size[0],
-                    height: size[1],
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: self.format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                    | wgpu::TextureUsages::COPY_SRC
-                    | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
+            let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::TEXTURE_BINDING;
+            texture_array(
+                device,
+                "panels",
+                [size[0], size[1], 1, 1],
+                self.format,
+                usage,
+            )
         })?;
         let held = |what, bytes: &[u8]| {
             // A binding holds one record at least.
@@ -200,7 +196,7 @@ impl Warper {
                 ("pipeline_blurs", f64::from(u8::from(blurs))),
             ];
             let strip = wgpu::PrimitiveTopology::TriangleStrip;
-            pipeline(&self.gpu, &warp(), self.format, (strip, &constants))
+            pipeline_of(&self.gpu, &warp(), self.format, (strip, &constants))
         });
         for pair in source.levels.windows(2) {
             let finer = wgpu::BindingResource::TextureView(&pair[0]);
@@ -307,47 +303,24 @@ fn begin<'a>(
     })
 }
 
-fn pipeline(
+fn pipeline_of(
     gpu: &Gpu,
     shader: &Shader,
     format: wgpu::TextureFormat,
     (topology, constants): (wgpu::PrimitiveTopology, &[(&str, f64)]),
 ) -> wgpu::RenderPipeline {
-    let module = gpu
-        .device
-        .create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(shader.name),
-            source: wgpu::ShaderSource::Wgsl(shader.text.as_str().into()),
-        });
-    let [vertex, fragment] = shader.steps[0];
-    gpu.device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(fragment),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some(vertex),
-                compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState {
-                topology,
-                ..wgpu::PrimitiveState::default()
-            },
-            depth_stencil: None,
-            multisample: wgpu::MultisampleState::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some(fragment),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants,
-                    ..wgpu::PipelineCompilationOptions::default()
-                },
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+    let drawing = Drawing {
+        layout: None,
+        primitive: wgpu::PrimitiveState {
+            topology,
+            ..wgpu::PrimitiveState::default()
+        },
+        depth: None,
+        target: format.into(),
+        constants,
+    };
+    let module = module(gpu, shader.name, &shader.text);
+    pipeline(gpu, &module, shader.steps[0], drawing)
 }
 
 impl LoadedPlan {

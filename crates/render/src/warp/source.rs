@@ -2,6 +2,7 @@
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::textures::{texture_array, write_texels};
 use crate::image::RgbaImage;
 
 /// Codes are stored, linear light is filtered.
@@ -35,23 +36,18 @@ impl SourceTexture {
         let count = if has_levels { levels_of(size) } else { 1 };
         let bytes = 4 * u64::from(size[0]) * u64::from(size[1]) * 4 / 3;
         let texture = gpu.roomed(("the source", bytes), |device| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("source"),
-                size: wgpu::Extent3d {
-                    width: size[0].max(1),
-                    height: size[1].max(1),
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: count,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: SOURCE_FORMAT,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING
-                    | wgpu::TextureUsages::COPY_DST
-                    | wgpu::TextureUsages::COPY_SRC
-                    | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
+            let [width, height] = size.map(|side| side.max(1));
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_DST
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::RENDER_ATTACHMENT;
+            texture_array(
+                device,
+                "source",
+                [width, height, 1, count],
+                SOURCE_FORMAT,
+                usage,
+            )
         })?;
         let level = |base_mip_level| {
             texture.create_view(&wgpu::TextureViewDescriptor {
@@ -82,16 +78,7 @@ impl SourceTexture {
                 found: format!("{:?} pixels", picture.size),
             });
         }
-        gpu.queue.write_texture(
-            self.texture.as_image_copy(),
-            &picture.pixels,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(picture.size[0] * 4),
-                rows_per_image: None,
-            },
-            self.texture.size(),
-        );
+        write_texels(gpu, &self.texture, [0; 4], picture.size, &picture.pixels);
         Ok(())
     }
 }

@@ -1,0 +1,57 @@
+//! How are textures made, and their texels written?
+
+use crate::gpu::device::Gpu;
+
+/// A texture array of so many columns, rows, layers and mips, all at least 1.
+pub(crate) fn texture_array(
+    device: &wgpu::Device,
+    label: &'static str,
+    [width, height, depth_or_array_layers, mip_level_count]: [u32; 4],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers,
+        },
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[],
+    })
+}
+
+/// Writes texels, row by row, to a column, row, layer and mip of a texture; `size` is their columns
+/// and rows, at least 1.
+pub(crate) fn write_texels(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    [x, y, z, mip_level]: [u32; 4],
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+) {
+    gpu.queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level,
+            origin: wgpu::Origin3d { x, y, z },
+            aspect: wgpu::TextureAspect::All,
+        },
+        bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some((bytes.len() / height as usize) as u32),
+            rows_per_image: None,
+        },
+        wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+    );
+}
