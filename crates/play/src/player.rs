@@ -14,6 +14,7 @@ use foveal_core::session::log::SessionFrame;
 use foveal_core::session::session::{Session, SessionSettings};
 use foveal_core::session::unit_states::Piece;
 use foveal_render::{Drawer, DrawnScene, TileDrawer, TileStyle};
+use std::error::Error;
 
 /// A session with what brings and draws for it.
 pub struct Player {
@@ -144,7 +145,8 @@ impl Player {
             Err(DecodeError::Damaged(error)) => {
                 if !std::mem::replace(&mut self.has_warned, true) {
                     (self.tell)(&format!(
-                        "{error}; what there is else is shown; `foveal verify` lists all damage"
+                        "{}; what there is else is shown; `foveal verify` lists all damage",
+                        with_cause(&*error)
                     ));
                 }
                 None
@@ -210,5 +212,15 @@ impl Player {
     pub(crate) fn tell_session(&mut self, events: impl IntoIterator<Item = SessionEvent>) {
         let events = events.into_iter();
         events.for_each(|event| self.session.take(event));
+    }
+}
+
+/// What is wrong, and why where it does not say so itself.
+fn with_cause(error: &dyn Error) -> String {
+    let what = error.to_string();
+    let cause = error.source().map(ToString::to_string);
+    match cause.filter(|cause| !what.contains(cause)) {
+        Some(cause) => format!("{what} ({cause})"),
+        None => what,
     }
 }

@@ -276,8 +276,8 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
                     Ok(_) => assert!(!damaged, "{codec:?} frame {frame}"),
                     Err(DecodeError::Damaged(error)) => {
                         assert!(damaged, "{tile:?} frame {frame}: {error}");
-                        let text = error.to_string();
-                        assert!(text.contains("chunk of level 0"), "{text}");
+                        let cause = error.source().map(ToString::to_string).unwrap();
+                        assert!(cause.contains("chunk of level 0"), "{cause}");
                     }
                     Err(wrong) => panic!("{wrong:?}"),
                 }

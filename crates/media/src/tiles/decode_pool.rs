@@ -51,7 +51,7 @@ pub enum TileError {
 /// A tile that cannot be decoded.
 #[derive(Debug, Error)]
 #[error(
-    "{}: level {}, face {}, column {}, row {} cannot be decoded at frame {frame} ({source})",
+    "{}: level {}, face {}, column {}, row {} cannot be decoded at frame {frame}",
     path.display(), tile.level, tile.face, tile.x, tile.y
 )]
 struct BadTile {
