@@ -12,12 +12,13 @@ pub struct TakenBytes {
 /// One ledger of the bytes that layers of units, and pictures of them, take of the GPU's memory.
 ///
 /// All units together may use what was promised to them. They may hold an eighth more, so that what
-/// is free seldom lies in too small pieces; pictures take their bytes out of that bound.
+/// is free seldom lies in too small pieces; pictures and tables take their bytes out of that bound.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuRoom {
     most: TakenBytes,
     layers: Vec<TakenBytes>,
     pictures: u64,
+    tables: u64,
 }
 
 impl GpuRoom {
@@ -30,27 +31,35 @@ impl GpuRoom {
             },
             layers: Vec::new(),
             pictures: 0,
+            tables: 0,
         }
     }
 
-    /// From now on these are the bytes that each layer takes, in order, and that pictures take.
-    pub(crate) fn balance(&mut self, layers: impl Iterator<Item = TakenBytes>, pictures: u64) {
+    /// From now on these are the bytes that each layer takes, in order, that pictures take and that
+    /// tables of units take.
+    pub(crate) fn balance(
+        &mut self,
+        layers: impl Iterator<Item = TakenBytes>,
+        pictures: u64,
+        tables: u64,
+    ) {
         self.layers.clear();
         self.layers.extend(layers);
         self.pictures = pictures;
+        self.tables = tables;
     }
 
     /// Bytes that a layer may take, its own so far among them.
     pub(crate) fn left_for(&self, layer: usize) -> TakenBytes {
         let promised = self.promised_to(layer);
         TakenBytes {
-            held: promised.held.saturating_sub(self.pictures),
+            held: promised.held.saturating_sub(self.pictures + self.tables),
             ..promised
         }
     }
 
-    /// The same as if there were no pictures: units that were promised room have it, even where
-    /// pictures leave less than that.
+    /// The same as if there were no pictures and tables: units that were promised room have it,
+    /// even where these leave less than that.
     pub(crate) fn promised_to(&self, layer: usize) -> TakenBytes {
         let others = self.layers.iter().enumerate().filter(|(k, _)| *k != layer);
         let sum = |all: TakenBytes, (_, it): (usize, &TakenBytes)| TakenBytes {
@@ -73,7 +82,7 @@ impl GpuRoom {
     /// Whether more is held than may be.
     pub(crate) fn is_over(&self) -> bool {
         let held: u64 = self.layers.iter().map(|it| it.held).sum();
-        held + self.pictures > self.most.held
+        held + self.pictures + self.tables > self.most.held
     }
 }
 
@@ -92,10 +101,11 @@ mod tests {
         room.balance(
             [taken(300, 400), taken(0, 50), taken(100, 100)].into_iter(),
             200,
+            50,
         );
-        assert_eq!(room.left_for(0), taken(700, 550));
+        assert_eq!(room.left_for(0), taken(700, 500));
         assert_eq!(room.promised_to(0), taken(700, 750));
-        assert_eq!(room.left_for(2), taken(500, 250));
+        assert_eq!(room.left_for(2), taken(500, 200));
         assert!(!room.is_over());
         // The pictures leave 700, of which an eighth of what is used lies idle.
         assert_eq!(room.for_units(), 623);
@@ -104,11 +114,13 @@ mod tests {
     #[test]
     fn what_is_taken_too_much_leaves_nothing_and_is_seen() {
         let mut room = GpuRoom::new(800);
-        room.balance([taken(900, 1000), taken(0, 0)].into_iter(), 2000);
+        room.balance([taken(900, 1000), taken(0, 0)].into_iter(), 2000, 0);
         assert!(room.is_over());
         assert_eq!(room.left_for(1), taken(0, 0));
         assert_eq!(room.for_units(), 0);
-        room.balance([].into_iter(), 0);
+        room.balance([].into_iter(), 0, 901);
+        assert!(room.is_over());
+        room.balance([].into_iter(), 0, 900);
         assert!(!room.is_over());
     }
 }

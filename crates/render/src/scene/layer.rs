@@ -122,8 +122,26 @@ impl SceneLayer {
     /// Enters into the ledger what is taken.
     fn balance(&mut self) {
         let pictures = self.picture_bytes(None).max(self.expected);
+        let tables = self.table_bytes();
         let layers = self.layers.iter().map(|layer| layer.taken());
-        self.room.balance(layers, pictures);
+        self.room.balance(layers, pictures, tables);
+    }
+
+    /// Takes back what stays without being drawn where more is held than may be.
+    fn tighten(&mut self) -> Result<(), RenderError> {
+        self.balance();
+        if self.room.is_over() {
+            for layer in &mut self.layers {
+                layer.give_back(false)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes of what finds units, of any number of them.
+    fn table_bytes(&self) -> u64 {
+        let layers = self.layers.iter().map(|layer| layer.table_bytes());
+        layers.sum::<u64>() + self.seen_placements.size()
     }
 
     /// Bytes of all that is drawn on, for pictures of a view too, if there is one.
@@ -148,12 +166,7 @@ impl SceneLayer {
     pub fn expect(&mut self, views: &[EyeView]) -> Result<u64, RenderError> {
         let bytes = views.iter().map(|view| self.picture_bytes(Some(view)));
         self.expected = bytes.max().unwrap_or_default();
-        self.balance();
-        if self.room.is_over() {
-            for layer in &mut self.layers {
-                layer.give_back(false)?;
-            }
-        }
+        self.tighten()?;
         Ok(self.room.for_units())
     }
 
@@ -218,11 +231,8 @@ impl SceneLayer {
     /// depths.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        let layers = self.layers.iter();
-        let units: u64 = layers
-            .map(|layer| layer.taken().held + layer.table_bytes())
-            .sum();
-        units + self.seen_placements.size() + self.picture_bytes(None)
+        let units: u64 = self.layers.iter().map(|layer| layer.taken().held).sum();
+        units + self.table_bytes() + self.picture_bytes(None)
     }
 
     /// Triangles of the clusters that the last picture was drawn of, also of those that cannot be
