@@ -8,7 +8,6 @@ use crate::opening::OpenPack;
 use crate::options::Options;
 use crate::pack_in_parts::PackInParts;
 use crate::stretches::Fetching;
-use foveal_core::content::opened::Opened;
 use foveal_core::content::payload::Payload;
 use foveal_core::content::policy::asked::{Detail, next_target};
 use foveal_core::content::policy::{Policy, PolicyConfig};
@@ -362,10 +361,8 @@ impl PagePlayer {
     /// The view of an eye of a headset, which levels follow from now on; `None` where the numbers
     /// do not describe an eye.
     pub(crate) fn eye_view(&mut self, request: &EyeRequest, now: Seconds) -> Option<EyeView> {
-        let start = match &self.pack.content {
-            Opened::Video(_) => None,
-            Opened::Scene(_) => Some(self.shown().view.position),
-        };
+        let is_entered = self.pack.content.facts().is_entered;
+        let start = is_entered.then(|| self.shown().view.position);
         let view = request.view(start)?;
         let right = usize::from(request.eye == foveal_core::view::surface::Eye::Right);
         self.eyes[right] = Some(view);

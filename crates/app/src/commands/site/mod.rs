@@ -18,7 +18,7 @@ use foveal_media::pack::pack::Pack;
 use foveal_media::pack::pack_file::PackFileError;
 use listing::{Listed, Listing};
 use pack_names::names_of;
-use site_pack::{ListedKind, poster_of};
+use site_pack::shown;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -69,24 +69,23 @@ impl Site {
             bail!("this program was built without its pages; build it with `make build`");
         }
         let drawing = poster::drawing();
-        let kinds: Vec<ListedKind> = packs.iter().map(ListedKind::of).collect();
         let mut files = BTreeMap::new();
+        let mut listed = Vec::new();
+        for (name, file) in names.into_iter().zip(packs) {
+            let path = file.path().to_owned();
+            let (shows, poster) = shown(file, &drawing)?;
+            let one = Listed::new(&name, file, (shows, &poster), about.of(&name));
+            files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));
+            files.insert(one.file.clone(), SiteFile::File(path));
+            listed.push(one);
+        }
+        let kinds: Vec<_> = listed.iter().map(|it| it.shows.content).collect();
         for file in web_files() {
             let bytes = match file.name {
                 LIST_PAGE => about.titled(file.bytes, &kinds).into(),
                 _ => file.bytes.into(),
             };
             files.insert(file.name.to_owned(), SiteFile::Bytes(bytes));
-        }
-        let mut listed = Vec::new();
-        for (name, file) in names.into_iter().zip(packs) {
-            let path = file.path().to_owned();
-            let poster = poster_of(file, &drawing)
-                .with_context(|| format!("{}: no poster can be drawn", path.display()))?;
-            let one = Listed::new(&name, file, &poster, about.of(&name))?;
-            files.insert(one.poster.file.clone(), SiteFile::Bytes(poster.jpeg.into()));
-            files.insert(one.file.clone(), SiteFile::File(path));
-            listed.push(one);
         }
         listed.sort_by_key(|pack| about.place(&pack.name));
         let listing = serde_json::to_vec(&Listing::new(&listed))?;

@@ -57,14 +57,14 @@ pub(super) fn drawing() -> DrawDevice {
 }
 
 /// Draws the poster of a video or picture.
-pub(super) fn of_video(file: Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Result<Poster> {
+pub(super) fn of_video(file: &Arc<PackFile>, drawing: &DrawDevice) -> anyhow::Result<Poster> {
     let about = file.pack().description();
     let (surface, frame) = (about.grid(Screen::default()).surface, about.frames / LATER);
     let view = view(&surface, Radians::from_degrees(about.front_deg));
     let config = PolicyConfig::new(Policy::Viewport);
     let player = PlayerOptions::new(config, drawing, output::say);
     let options = FrameOptions::new(player, view);
-    let mut player = open_player(&file, options)?;
+    let mut player = open_player(file, options)?;
     let ahead = GazeChoice::At([0.0, 0.0]);
     let until = player.time(frame);
     let mut gaze = GazeSource::new(&ahead, &surface, 0, until, &ViewerModel::default())?;

@@ -1,19 +1,25 @@
 //! What does a site ask of a pack, whatever is in it?
 
+use crate::commands::info::seconds_of;
 use crate::commands::site::poster::{self, Poster};
 use crate::report::output;
+use anyhow::Context;
+use foveal_core::content::scene::kind::UnitKind;
 use foveal_core::view::surface::Projection;
 use foveal_media::pack::pack::Pack;
+use foveal_media::pack::pack_file::PackFile;
+use foveal_media::pack::scene_file::SceneFile;
 use foveal_render::DrawDevice;
-use serde::Serialize;
-use std::sync::Arc;
+use serde::{Serialize, Serializer};
 
-/// The picture that stands for a pack.
-pub(super) fn poster_of(pack: &Pack, drawing: &DrawDevice) -> anyhow::Result<Poster> {
-    match pack {
-        Pack::Video(file) => poster::of_video(Arc::clone(file), drawing),
-        Pack::Scene(file) => poster::of_scene(file, drawing),
-    }
+/// What a list says of a pack, and the picture that stands for it there.
+pub(super) fn shown(pack: &Pack, drawing: &DrawDevice) -> anyhow::Result<(Shows, Poster)> {
+    let (shows, poster) = match pack {
+        Pack::Video(file) => (Shows::of_video(file)?, poster::of_video(file, drawing)),
+        Pack::Scene(file) => (Shows::of_scene(file), poster::of_scene(file, drawing)),
+    };
+    let why = || format!("{}: no poster can be drawn", pack.path().display());
+    Ok((shows, poster.with_context(why)?))
 }
 
 /// What to say where a pack is larger than what it was made from, and gains little by that: flat
@@ -42,12 +48,63 @@ pub(super) enum ListedKind {
     Scene,
 }
 
-impl ListedKind {
-    pub(super) fn of(pack: &Pack) -> Self {
-        match pack.video() {
-            Some(file) if file.pack().description().is_still() => Self::Picture,
-            Some(_) => Self::Video,
-            None => Self::Scene,
+/// What is to be seen.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Shows {
+    pub(super) content: ListedKind,
+    /// Null for a scene.
+    projection: Option<Projection>,
+    eyes: u8,
+    /// Pixels of the source; null for a scene.
+    width: Option<u32>,
+    height: Option<u32>,
+    /// Null for a picture and a scene.
+    fps: Option<f64>,
+    seconds: Option<f64>,
+    sound: bool,
+    /// Of a scene at its finest, each where it stands: what they are called, and how many.
+    #[serde(flatten, serialize_with = "by_name")]
+    samples: Vec<(String, u64)>,
+}
+
+fn by_name<S: Serializer>(samples: &[(String, u64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(samples.iter().map(|(name, count)| (name, count)))
+}
+
+impl Shows {
+    pub(super) fn of_video(file: &PackFile) -> anyhow::Result<Self> {
+        let about = file.pack().description();
+        let [width, height] = about.source.size.map(Some);
+        Ok(Self {
+            content: match about.is_still() {
+                true => ListedKind::Picture,
+                false => ListedKind::Video,
+            },
+            projection: Some(about.projection),
+            eyes: about.eyes,
+            width,
+            height,
+            fps: (!about.is_still()).then_some(about.fps()),
+            seconds: seconds_of(file)?,
+            sound: about.tables.iter().any(|table| table.name == "sound"),
+            samples: Vec::new(),
+        })
+    }
+
+    pub(super) fn of_scene(file: &SceneFile) -> Self {
+        let about = file.pack().description();
+        Self {
+            content: ListedKind::Scene,
+            projection: None,
+            eyes: 1,
+            width: None,
+            height: None,
+            fps: None,
+            seconds: None,
+            sound: false,
+            samples: UnitKind::shapes()
+                .map(|kind| (kind.facts().samples(), about.samples_of(kind)))
+                .collect(),
         }
     }
 }
