@@ -10,6 +10,7 @@ use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
 use crate::report::visible::{bounded, visible};
 use anyhow::{Context, anyhow, bail};
+use foveal_core::units::counted;
 use foveal_media::plain_file::{open_plain, open_sink, read_plain, rename_durably, rename_new};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
@@ -310,6 +311,18 @@ pub(crate) fn refetched(bytes: u64) -> String {
         _ => format!(
             "{} fetched again: more than a client holds in memory\n",
             size(bytes)
+        ),
+    }
+}
+
+/// Says that units were left out for lack of GPU memory; nothing where none was.
+pub(crate) fn without_room(units: usize) -> String {
+    match units {
+        0 => String::new(),
+        _ => format!(
+            "{} had no room on the GPU, and coarser ones stood in: a larger --gpu-memory shows \
+             more\n",
+            counted(units, "unit")
         ),
     }
 }
