@@ -29,6 +29,8 @@ pub struct VideoDemand {
     /// What chooses where bytes are not limited, and remembers what it showed: one for each view of
     /// the moment, and at least one. None where that, too, is buying.
     rules: Vec<Rule>,
+    /// What their eye resolves.
+    known: KnownAcuity,
     /// Under a policy that spends a budget.
     purchases: Option<Box<Purchases>>,
     /// Computes what is lost; made when first asked for.
@@ -115,6 +117,7 @@ impl VideoDemand {
             purchases,
             config,
             rules,
+            known: KnownAcuity::default(),
             meter,
             last: None,
             begun: None,
@@ -182,11 +185,11 @@ impl Demand for VideoDemand {
             self.rules.resize_with(views, || anew.clone());
         }
         let rules = self.rules.iter_mut().zip(moment.glances());
-        let mut known = KnownAcuity::default();
+        let known = &mut self.known;
         let (grid, covers_each) = (&self.grid, !self.config.together);
         let through_each = rules.map(|(rule, glance)| {
             let glance = glance.on_surface();
-            let mut levels = rule.needed(&*self.content, (frame, &glance), &mut known);
+            let mut levels = rule.needed(&*self.content, (frame, &glance), known);
             if covers_each && views > 1 {
                 let _ = levels.cover(grid);
             }
