@@ -67,6 +67,13 @@ impl Rule {
         }
     }
 
+    /// From now on chooses from other content.
+    fn forget_losses(&mut self) {
+        if let Self::Target(selector) = self {
+            selector.forget_losses();
+        }
+    }
+
     /// The same for another view.
     fn without_memory(&self) -> Self {
         match self {
@@ -140,10 +147,12 @@ impl VideoDemand {
     /// The same wish, with what was made for it, for other content of the same grid.
     #[must_use]
     pub fn of_content(&self, content: Arc<dyn VideoUnits>) -> Self {
-        Self {
+        let mut of_content = Self {
             content,
             ..self.clone()
-        }
+        };
+        of_content.rules.iter_mut().for_each(Rule::forget_losses);
+        of_content
     }
 
     /// The level of every cell that was chosen last; `None` before any choice.
@@ -267,9 +276,10 @@ impl Demand for VideoDemand {
             let meter = self.meter.get_or_init(meter);
             let rule = self.config.policy.expectation();
             let through = |glance: Glance| {
-                let losses = meter.losses(&self.grid, &*self.content, last.frame, &glance);
+                let shown = (&*self.content, last.frame);
+                let lost = meter.lost(&self.grid, shown, &glance, &last.levels);
                 let scale = self.content.scale(glance.view.as_ref());
-                let expected = scale.expected(rule, &losses.of(&last.levels));
+                let expected = scale.expected(rule, &lost);
                 expected.is_known.then_some(expected.jod)
             };
             let mut views = last.moment.glances().map(through);
