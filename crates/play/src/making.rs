@@ -31,6 +31,8 @@ pub struct Made {
     pub page_bytes: u64,
     /// Samples decoded, those to catch up included.
     pub decoded_samples: u64,
+    /// Frames of units decoded, those to catch up included.
+    pub decodes: u32,
     /// Pieces that could not be decoded.
     pub damaged: usize,
     /// Time of choosing.
@@ -165,6 +167,7 @@ impl Player {
             base -= usize::from(is_base(&decoded.piece));
             let samples = content.unit(decoded.piece.unit.unit).samples;
             made.decoded_samples += u64::from(decoded.frames) * samples;
+            made.decodes += decoded.frames;
             made.damaged += usize::from(decoded.payload.is_err());
             self.take_or_stop(decoded)?;
         }
