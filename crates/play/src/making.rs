@@ -154,9 +154,12 @@ impl Player {
         let is_base = |piece: &Piece| content.unit(piece.unit.unit).level == content.coarsest();
         let mut left: HashSet<Piece> = self.session.requested().iter().copied().collect();
         let mut base = left.iter().filter(|piece| is_base(piece)).count();
+        let until_due = || {
+            patience.map(|(begun, most): (Instant, Duration)| most.saturating_sub(begun.elapsed()))
+        };
+        self.supply.wait_for_all(until_due());
         while !left.is_empty() {
-            let patience = patience.filter(|_| base == 0);
-            let patience = patience.map(|(begun, most)| most.saturating_sub(begun.elapsed()));
+            let patience = until_due().filter(|_| base == 0);
             let Some(decoded) = self.supply.next(patience) else {
                 break;
             };
