@@ -136,11 +136,16 @@ const MOST_JOBS: usize = 256;
 /// As many threads as asked for, else as many as there are cores.
 pub(crate) fn jobs(asked: Option<usize>) -> Result<usize, WrongUsage> {
     match asked {
-        Some(jobs) if !(1..=MOST_JOBS).contains(&jobs) => {
-            Err(out_of_range("--jobs", jobs, &format!("1 to {MOST_JOBS}")))
-        }
-        Some(jobs) => Ok(jobs),
+        Some(jobs) => threads("--jobs", jobs),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+    }
+}
+
+/// As many threads as an option asks for.
+pub(crate) fn threads(option: &str, asked: usize) -> Result<usize, WrongUsage> {
+    match (1..=MOST_JOBS).contains(&asked) {
+        true => Ok(asked),
+        false => Err(out_of_range(option, asked, &format!("1 to {MOST_JOBS}"))),
     }
 }
 
