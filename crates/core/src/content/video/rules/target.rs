@@ -8,10 +8,10 @@
 use crate::content::policy::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::calibration::Scale;
-use crate::content::video::glimpse::{Finder, Glimpse};
+use crate::content::video::glimpse::{Around, Finder, Glimpse};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::losses::{Around, LossMeter, Losses};
+use crate::content::video::losses::{LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
 use crate::content::video::rules::still::{gaze_stays, head_room, is_turned_view, stays};
