@@ -1,8 +1,8 @@
 //! What was found of the losses of one glance, and what of it holds for the next choice?
 //!
 //! A loss is found when it is asked for: of most cells that of one level or two. It stays as long
-//! as the glance and the group of frames are the same; what the eye senses at a place outlasts the
-//! group, and a head that turns while its eye stays adds only what comes into sight.
+//! as the glance and the group of frames are the same, so that a head that turns while its eye
+//! stays adds only what comes into sight.
 
 use crate::content::video::calibration::{ZONES, ZoneBounds, ZoneLosses, zone_of};
 use crate::content::video::grid::level_map::LevelMap;
@@ -152,9 +152,7 @@ impl Glimpse {
         if self.group != group {
             self.group = group;
             self.losses.forget();
-            self.seen.signatures.clear();
-            let cells = self.seen.cells.iter_mut();
-            cells.for_each(|cell| cell.signatures = None);
+            self.seen.forget_signatures();
         }
         let looked = Looked {
             glance: *around.glance,
@@ -183,6 +181,15 @@ impl Glimpse {
         };
         finder.see(is_same);
         finder
+    }
+
+    /// Keeps what was found, and no more: a viewer should hold little.
+    pub(super) fn trim(&mut self) {
+        self.seen.forget_signatures();
+        self.seen.forget_sensed();
+        self.seen.signatures.shrink_to_fit();
+        self.seen.sensed.shrink_to_fit();
+        self.seen.places.shrink_to_fit();
     }
 
     /// What was found.
@@ -406,6 +413,12 @@ impl Seen {
 
     fn places_of(&self, cell: &SeenCell) -> &[SeenPlace] {
         &self.places[cell.first..][..cell.places]
+    }
+
+    fn forget_signatures(&mut self) {
+        self.signatures.clear();
+        let cells = self.cells.iter_mut();
+        cells.for_each(|cell| cell.signatures = None);
     }
 
     fn forget_sensed(&mut self) {

@@ -19,6 +19,7 @@ use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
+use std::sync::Arc;
 
 pub mod distance;
 pub(crate) mod known_acuity;
@@ -65,7 +66,8 @@ pub fn places_hash(tiles: &[Tile]) -> String {
 pub struct Rules {
     grid: TileGrid,
     config: PolicyConfig,
-    cells: Vec<CellBounds>,
+    /// The same for all that is made of it.
+    cells: Arc<[CellBounds]>,
     thresholds: Vec<Radians>,
     /// How far outside the view `acuity` looks, as the head may turn there while the eye stays.
     head_room: Radians,

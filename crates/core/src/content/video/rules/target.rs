@@ -202,7 +202,7 @@ impl TargetSelector {
                 (_, None) => self.by_bound(&mut losses, &scale),
             },
         };
-        self.glimpse = glimpse;
+        self.keep(glimpse);
         floor.iter().for_each(|floor| needed.refine_to(floor));
         self.before = Some(Chosen {
             floor,
@@ -213,6 +213,14 @@ impl TargetSelector {
             needed: needed.clone(),
         });
         needed
+    }
+
+    /// Keeps what was found; not under `acuity`, where a glance is rarely measured twice.
+    fn keep(&mut self, mut glimpse: Glimpse) {
+        if self.rule.is_none() {
+            glimpse.trim();
+            self.glimpse = glimpse;
+        }
     }
 
     /// What is kept in addition to what is chosen while the eye stays and the head turns far. The
