@@ -510,11 +510,23 @@ impl ZoneBounds {
     /// The bound at an eccentricity: from one zone to the next without a step, along logarithms.
     #[must_use]
     pub fn at(&self, eccentricity: Radians) -> f64 {
+        self.beyond(Self::borders_passed(eccentricity))
+    }
+
+    /// How far an eccentricity lies on the way across each border, 0 to 1: all that its bound
+    /// depends on.
+    #[must_use]
+    pub(super) fn borders_passed(eccentricity: Radians) -> [f64; ZONES - 1] {
         let degrees = eccentricity.to_degrees();
+        ZONE_BORDERS_DEG.map(|border| ((degrees - border) / JOINED_OVER_DEG + 0.5).clamp(0.0, 1.0))
+    }
+
+    /// The bound so far beyond the borders.
+    #[must_use]
+    pub(super) fn beyond(&self, passed: [f64; ZONES - 1]) -> f64 {
         let mut ln = libm::log(self.0[0]);
-        for (border, pair) in ZONE_BORDERS_DEG.iter().zip(self.0.windows(2)) {
-            let beyond = (degrees - border) / JOINED_OVER_DEG + 0.5;
-            ln += beyond.clamp(0.0, 1.0) * libm::log(pair[1] / pair[0]);
+        for (passed, pair) in passed.iter().zip(self.0.windows(2)) {
+            ln += passed * libm::log(pair[1] / pair[0]);
         }
         libm::exp(ln)
     }

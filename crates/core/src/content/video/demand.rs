@@ -288,3 +288,6 @@ impl Demand for VideoDemand {
         *last.jod.get_or_init(jod)
     }
 }
+
+#[cfg(test)]
+mod tests;

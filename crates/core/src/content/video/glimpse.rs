@@ -1,15 +1,15 @@
 //! What was found of the losses of one glance, and what of it holds for the next choice?
 //!
 //! A loss is found when it is asked for: of most cells that of one level or two. It stays as long
-//! as the glance and the group of frames are the same; what the eye senses at a place outlasts the
-//! group, and a head that turns while its eye stays adds only what comes into sight.
+//! as the glance and the group of frames are the same, so that a head that turns while its eye
+//! stays adds only what comes into sight.
 
 use crate::content::video::calibration::{ZONES, ZoneBounds, ZoneLosses, zone_of};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{APART_DEG, CellPlace, Sighted};
-use crate::content::video::grid::tile_grid::{Tile, TileGrid};
+use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{
-    Around, LossMeter, Losses, MOST_OCTAVES, drawn_share, lost_octaves, octave_share,
+    LossMeter, Losses, MOST_OCTAVES, drawn_share, lost_octaves, octave_share,
 };
 use crate::content::video::units::VideoUnits;
 use crate::pack::unit::UnitId;
@@ -18,6 +18,7 @@ use crate::perception::measures::contrast::Signature;
 use crate::perception::spread::SpreadTable;
 use crate::perception::visible_loss::{LostOctave, SPACE_EXPONENT, Sensed};
 use crate::units::Radians;
+use core::ops::Range;
 
 /// Places of which it is kept what the eye senses there: 9 MB. A view of a 16K sphere has 4,000.
 const MOST_SENSED: usize = 50_000;
@@ -33,10 +34,17 @@ pub(super) struct Glimpse {
     group: Option<UnitId>,
     spread: Option<(Radians, SpreadTable)>,
     losses: Losses,
-    /// Cells in sight, in the order of the grid: those of the right eye come second.
-    seen: Vec<Option<Box<SeenCell>>>,
-    /// Places in sight so far.
-    places: usize,
+    seen: Seen,
+}
+
+/// What is seen and sensed of the cells in sight.
+#[derive(Clone, Debug, Default)]
+struct Seen {
+    /// In the order of the grid: those of the right eye come second.
+    cells: Vec<SeenCell>,
+    places: Vec<SeenPlace>,
+    sensed: Vec<SensedPlace>,
+    signatures: Vec<Signature>,
 }
 
 /// What is sensed depends on this.
@@ -46,18 +54,19 @@ struct Looked {
     bounds: Option<ZoneBounds>,
 }
 
-/// What is seen of a cell.
-#[derive(Clone, Debug)]
+/// What is seen of a cell: parts of [`Seen`].
+#[derive(Clone, Copy, Debug, Default)]
 struct SeenCell {
     in_view: bool,
     /// Log2 of the level-0 pixels on a side that a pixel of the display covers, at the least.
     footprint: f64,
-    places: Vec<SeenPlace>,
-    /// What is sensed at each place, once it was asked for, and whether it is kept.
-    sensed: Vec<SensedPlace>,
-    keeps_sensed: bool,
-    /// Of the steps, finest first; empty where they were not asked for.
-    signatures: Vec<Signature>,
+    /// Its first place, and how many it has; none out of sight.
+    first: usize,
+    places: usize,
+    /// What is sensed at its first place, once that was asked for.
+    sensed: Option<usize>,
+    /// The signature of its finest step, once that was asked for.
+    signatures: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -75,6 +84,60 @@ struct SensedPlace {
     of_bound: f64,
 }
 
+/// What losses are asked of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around<'a> {
+    /// Who looks, through which view.
+    pub(super) glance: &'a Glance,
+    /// How far a head may turn while the eye stays.
+    pub(super) room: Radians,
+    /// What no cell may lose, where each zone has its own bound.
+    pub(super) bounds: Option<ZoneBounds>,
+}
+
+impl<'a> Around<'a> {
+    /// What is in view, without bounds.
+    fn only(glance: &'a Glance) -> Self {
+        Self {
+            glance,
+            room: Radians(0.0),
+            bounds: None,
+        }
+    }
+}
+
+impl LossMeter {
+    /// The losses of one glance. Costs a few µs a cell in view.
+    #[must_use]
+    pub fn losses(
+        &self,
+        grid: &TileGrid,
+        content: &dyn VideoUnits,
+        frame: u32,
+        glance: &Glance,
+    ) -> Losses {
+        let around = Around::only(glance);
+        let mut glimpse = Glimpse::default();
+        let mut losses = glimpse.look(self, grid, (content, frame), &around);
+        losses.find_all();
+        glimpse.into_losses()
+    }
+
+    /// What the picture of one glance loses at these levels. Costs less than its losses.
+    #[must_use]
+    pub fn lost(
+        &self,
+        grid: &TileGrid,
+        (content, frame): (&dyn VideoUnits, u32),
+        glance: &Glance,
+        shown: &LevelMap,
+    ) -> ZoneLosses {
+        let mut glimpse = Glimpse::default();
+        let mut losses = glimpse.look(self, grid, (content, frame), &Around::only(glance));
+        losses.of(shown)
+    }
+}
+
 impl Glimpse {
     /// The losses of one glance. What is known of them is kept here as far as it is the same.
     pub(super) fn look<'a>(
@@ -89,8 +152,7 @@ impl Glimpse {
         if self.group != group {
             self.group = group;
             self.losses.forget();
-            let seen = self.seen.iter_mut().flatten();
-            seen.for_each(|cell| cell.signatures.clear());
+            self.seen.forget_signatures();
         }
         let looked = Looked {
             glance: *around.glance,
@@ -98,25 +160,18 @@ impl Glimpse {
         };
         let is_same = self.looked.as_ref() == Some(&looked);
         if !is_same {
-            let spread = self.spread.take();
-            *self = Self {
-                group,
-                spread: spread.filter(|(spread, _)| *spread == looked.glance.gaze.spread),
-                losses: Losses::unknown(grid, looked.bounds.is_some()),
-                seen: vec![None; meter.cells.len()],
-                looked: Some(looked),
-                places: 0,
-            };
+            self.losses.clear(grid, looked.bounds.is_some());
+            self.seen.clear(meter.cells.len());
+            self.looked = Some(looked);
         }
         let spread = around.glance.gaze.spread;
-        let spread = self
-            .spread
-            .get_or_insert_with(|| (spread, SpreadTable::new(spread)));
+        let known = self.spread.take().filter(|(of, _)| *of == spread);
+        let known = known.unwrap_or_else(|| (spread, SpreadTable::new(spread)));
+        let (_, spread) = self.spread.insert(known);
         let mut finder = Finder {
             losses: &mut self.losses,
             seen: &mut self.seen,
-            places: &mut self.places,
-            spread: &spread.1,
+            spread,
             sighted: Sighted::new(around.glance),
             around: *around,
             meter,
@@ -128,6 +183,15 @@ impl Glimpse {
         finder
     }
 
+    /// Keeps what was found, and no more: a viewer should hold little.
+    pub(super) fn trim(&mut self) {
+        self.seen.forget_signatures();
+        self.seen.forget_sensed();
+        self.seen.signatures.shrink_to_fit();
+        self.seen.sensed.shrink_to_fit();
+        self.seen.places.shrink_to_fit();
+    }
+
     /// What was found.
     pub(super) fn into_losses(self) -> Losses {
         self.losses
@@ -137,8 +201,7 @@ impl Glimpse {
 /// Finds losses that are not known yet.
 pub(super) struct Finder<'a> {
     losses: &'a mut Losses,
-    seen: &'a mut [Option<Box<SeenCell>>],
-    places: &'a mut usize,
+    seen: &'a mut Seen,
     spread: &'a SpreadTable,
     sighted: Sighted<'a>,
     around: Around<'a>,
@@ -179,33 +242,33 @@ impl Finder<'_> {
         cells.for_each(|rank| levels.clone().for_each(|level| self.find(rank, level)));
     }
 
-    /// Looks where the cells are; of the same glance only what is beside the view may be new.
+    /// Looks where the cells are; of the same glance only what is outside the view may be new.
     fn see(&mut self, is_same: bool) {
         let Around { glance, room, .. } = self.around;
         let near = Sighted::up_to(glance, Radians(border_of(self.grid).0 + room.0));
-        for (number, cell) in self.meter.cells.iter().enumerate() {
-            let before = self.seen[number].as_ref();
-            if is_same && before.is_some_and(|before| before.in_view) {
+        let meter = self.meter;
+        let mut places: Vec<&CellPlace> = Vec::new();
+        for (number, cell) in meter.cells.iter().enumerate() {
+            let before = self.seen.cells[number];
+            if is_same && before.in_view {
                 continue;
             }
-            let mut places: Vec<&CellPlace> = match is_same {
-                true => Vec::new(),
-                false => self.sighted.places(cell).collect(),
-            };
+            places.clear();
+            if !is_same {
+                places.extend(self.sighted.places(cell));
+            }
             let in_view = !places.is_empty();
             if !in_view {
                 places.extend(near.places(cell));
             }
-            if places.len() != before.map_or(0, |before| before.places.len()) {
-                let seen = self.seen_cell(&places, in_view);
-                *self.places += seen.places.len();
-                self.seen[number] = Some(Box::new(seen));
+            if places.len() != before.places {
+                self.seen.cells[number] = self.seen_cell(&places, in_view);
                 self.note(number);
             }
         }
     }
 
-    fn seen_cell(&self, places: &[&CellPlace], in_view: bool) -> SeenCell {
+    fn seen_cell(&mut self, places: &[&CellPlace], in_view: bool) -> SeenCell {
         let footprints = places.iter().map(|place| self.sighted.footprint(place));
         let footprint = footprints.fold(f64::INFINITY, f64::min);
         let seen_place = |place: &&CellPlace| SeenPlace {
@@ -213,13 +276,14 @@ impl Finder<'_> {
             pixels: self.sighted.pixels(place),
             eccentricity: self.around.glance.eccentricity(place.direction),
         };
+        let first = self.seen.places.len();
+        self.seen.places.extend(places.iter().map(seen_place));
         SeenCell {
             in_view,
             footprint: libm::log2(footprint),
-            places: places.iter().map(seen_place).collect(),
-            sensed: Vec::new(),
-            keeps_sensed: *self.places < MOST_SENSED,
-            signatures: Vec::new(),
+            first,
+            places: places.len(),
+            ..SeenCell::default()
         }
     }
 
@@ -228,14 +292,15 @@ impl Finder<'_> {
         let cells = self.losses.cells;
         let rank = number % cells;
         let (mut pixels, mut in_view) = (0.0, false);
-        for seen in self.seen.iter().skip(rank).step_by(cells).flatten() {
-            in_view |= seen.in_view;
-            seen.places.iter().for_each(|place| pixels += place.pixels);
+        for cell in self.seen.cells.iter().skip(rank).step_by(cells) {
+            in_view |= cell.in_view;
+            let places = self.seen.places_of(cell).iter();
+            places.for_each(|place| pixels += place.pixels);
         }
         self.losses.pixels[rank] = pixels;
         self.losses.in_view[rank] = in_view;
-        let seen = self.seen[number].as_ref().filter(|seen| seen.in_view);
-        for place in seen.iter().flat_map(|seen| &seen.places) {
+        let cell = &self.seen.cells[number];
+        for place in self.seen.places_of(cell).iter().filter(|_| cell.in_view) {
             self.losses.shown[zone_of(place.eccentricity)] += place.pixels;
         }
         for level in 1..usize::from(self.grid.levels) {
@@ -251,19 +316,15 @@ impl Finder<'_> {
             return;
         }
         let (mut sums, mut bounded) = ([0.0; ZONES], 0.0);
-        for number in (rank..self.seen.len()).step_by(cells) {
-            let Some(mut cell) = self.seen[number].take() else {
-                continue;
-            };
-            if cell.signatures.is_empty() {
-                cell.signatures = self.signatures(self.meter.cells[number].cell);
-            }
-            let sensed = match cell.sensed.is_empty() {
-                true => self.sense(&cell),
-                false => core::mem::take(&mut cell.sensed),
-            };
-            let lost = self.lost(&cell, &sensed, level);
-            for (place, sensed) in cell.places.iter().zip(&sensed) {
+        for number in (rank..self.seen.cells.len()).step_by(cells) {
+            let mut cell = self.seen.cells[number];
+            let first = *cell.signatures.get_or_insert_with(|| self.read(number));
+            let places = cell.first..cell.first + cell.places;
+            let sensed = *cell.sensed.get_or_insert_with(|| self.sense(places));
+            let sensed = &self.seen.sensed[sensed..][..cell.places];
+            let signatures = &self.seen.signatures[first..][..usize::from(level)];
+            let lost = self.lost(cell.footprint, signatures, sensed);
+            for (place, sensed) in self.seen.places_of(&cell).iter().zip(sensed) {
                 let seen = sensed.octaves.iter().zip(&lost);
                 let seen: f64 = seen.map(|(sensed, lost)| sensed.difference(lost)).sum();
                 if seen > 0.0 {
@@ -272,10 +333,11 @@ impl Finder<'_> {
                     bounded += loss * sensed.of_bound;
                 }
             }
-            if cell.keeps_sensed {
-                cell.sensed = sensed;
+            if self.seen.sensed.len() > MOST_SENSED {
+                self.seen.forget_sensed();
+                cell.sensed = None;
             }
-            self.seen[number] = Some(cell);
+            self.seen.cells[number] = cell;
         }
         self.losses.sums[at] = sums;
         if let Some(it) = self.losses.bounded.get_mut(at) {
@@ -283,65 +345,103 @@ impl Finder<'_> {
         }
     }
 
-    /// What the finer steps add to a cell, finest first.
-    fn signatures(&self, cell: Tile) -> Vec<Signature> {
+    /// Reads what the finer steps add to a cell, and returns where it lies.
+    fn read(&mut self, number: usize) -> usize {
+        let cell = self.meter.cells[number].cell;
         let signature = |level| {
-            let unit = self
-                .content
-                .unit(self.grid.tile_over(cell, level), self.frame);
+            let tile = self.grid.tile_over(cell, level);
+            let unit = self.content.unit(tile, self.frame);
             self.content.signature(unit).unwrap_or_default()
         };
-        (0..self.grid.coarsest()).map(signature).collect()
+        let first = self.seen.signatures.len();
+        let all = (0..self.grid.coarsest()).map(signature);
+        self.seen.signatures.extend(all);
+        first
     }
 
-    /// What is sensed at the places of a cell.
-    fn sense(&self, cell: &SeenCell) -> Vec<SensedPlace> {
+    /// Finds what is sensed at these places, and returns where it lies.
+    fn sense(&mut self, places: Range<usize>) -> usize {
+        // Few places lie between two zones, so that neighbours have the same bound.
+        let mut last = ([f64::NAN; ZONES - 1], 0.0);
         let of_place = |seen: &SeenPlace| {
             let effective = self.spread.effective(seen.eccentricity);
-            let bound = self.around.bounds.map(|bounds| bounds.at(effective));
+            let passed = ZoneBounds::borders_passed(effective);
+            if let Some(bounds) = self.around.bounds.filter(|_| last.0 != passed) {
+                last = (passed, libm::pow(bounds.beyond(passed), -SPACE_EXPONENT));
+            }
             let ppd = self.sighted.seen(&seen.place).ppd;
             let display = self.sighted.display_limit(&seen.place);
             SensedPlace {
                 octaves: self.meter.sensed(effective, ppd, display),
                 zone: zone_of(seen.eccentricity),
-                of_bound: bound.map_or(0.0, |bound| libm::pow(bound, -SPACE_EXPONENT)),
+                of_bound: last.1,
             }
         };
-        cell.places.iter().map(of_place).collect()
+        let first = self.seen.sensed.len();
+        let places = self.seen.places[places].iter();
+        self.seen.sensed.extend(places.map(of_place));
+        first
     }
 
-    /// What a level of a cell loses of each octave that any of its places senses.
+    /// What is lost without these steps of each octave that any place of a cell senses.
     fn lost(
         &self,
-        cell: &SeenCell,
+        footprint: f64,
+        signatures: &[Signature],
         sensed: &[SensedPlace],
-        level: u8,
     ) -> [LostOctave; MOST_OCTAVES] {
         let steps = self.grid.ratio.trailing_zeros() as usize;
         let is_noisy = self.content.tells_of_noise();
         let drawn = |step, octave| match is_noisy {
-            true => octave_share(octave, cell.footprint),
-            false => drawn_share(step, cell.footprint, steps),
+            true => octave_share(octave, footprint),
+            false => drawn_share(step, footprint, steps),
         };
         let is_sensed = |octave: usize| sensed.iter().any(|it| !it.octaves[octave].is_blind());
-        let signatures = &cell.signatures[..usize::from(level)];
         lost_octaves(signatures, steps, drawn, core::array::from_fn(is_sensed))
     }
 }
 
+impl Seen {
+    /// Nothing is in sight of so many cells.
+    fn clear(&mut self, cells: usize) {
+        self.cells.clear();
+        self.cells.resize(cells, SeenCell::default());
+        self.places.clear();
+        self.sensed.clear();
+        self.signatures.clear();
+    }
+
+    fn places_of(&self, cell: &SeenCell) -> &[SeenPlace] {
+        &self.places[cell.first..][..cell.places]
+    }
+
+    fn forget_signatures(&mut self) {
+        self.signatures.clear();
+        let cells = self.cells.iter_mut();
+        cells.for_each(|cell| cell.signatures = None);
+    }
+
+    fn forget_sensed(&mut self) {
+        self.sensed.clear();
+        self.cells.iter_mut().for_each(|cell| cell.sensed = None);
+    }
+}
+
 impl Losses {
-    /// Losses of which nothing is known, of cells out of sight.
-    fn unknown(grid: &TileGrid, has_bounds: bool) -> Self {
+    /// All cells are out of sight.
+    fn clear(&mut self, grid: &TileGrid, has_bounds: bool) {
         let cells = grid.tiles_of_left_eye(0).count();
         let all = cells * usize::from(grid.levels);
-        Self {
-            cells,
-            sums: vec![[0.0; ZONES]; all],
-            bounded: vec![0.0; if has_bounds { all } else { 0 }],
-            pixels: vec![0.0; cells],
-            in_view: vec![false; cells],
-            shown: [0.0; ZONES],
-        }
+        self.cells = cells;
+        self.sums.clear();
+        self.sums.resize(all, [0.0; ZONES]);
+        self.bounded.clear();
+        self.bounded.resize(if has_bounds { all } else { 0 }, 0.0);
+        self.pixels.clear();
+        self.pixels.resize(cells, 0.0);
+        self.in_view.clear();
+        self.in_view.resize(cells, false);
+        self.shown = [0.0; ZONES];
     }
 
     /// Nothing is known any more of cells in sight.
@@ -357,4 +457,134 @@ impl Losses {
 /// How far outside the view a cell is seen fading into it, or lies in view between its places.
 fn border_of(grid: &TileGrid) -> Radians {
     Radians(grid.fade().0 + Radians::from_degrees(APART_DEG / 2.0).0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::content::policy::{Policy, PolicyConfig};
+    use crate::content::video::grid::tile_grid::{Cut, Tile};
+    use crate::content::video::units::UnknownUnits;
+    use crate::gaze::sample::GazeSample;
+    use crate::perception::measures::cues::Cues;
+    use crate::perception::parameters::EyeState;
+    use crate::units::Seconds;
+    use crate::view::axes::Axes;
+    use crate::view::eye_view::{EyeView, Field};
+    use crate::view::random::Random;
+    use crate::view::surface::{Eye, Surface};
+
+    /// Content of which every unit adds something else; groups are a frame long.
+    #[derive(Debug)]
+    struct Mixed(UnknownUnits);
+
+    impl VideoUnits for Mixed {
+        fn has_signatures(&self) -> bool {
+            true
+        }
+
+        fn unit(&self, tile: Tile, frame: u32) -> UnitId {
+            UnitId(self.0.unit(tile, 0).0 | frame << 16)
+        }
+
+        fn next_group(&self, frame: u32) -> Option<u32> {
+            Some(frame + 1)
+        }
+
+        fn bytes(&self, _: UnitId) -> u32 {
+            1
+        }
+
+        fn signature(&self, unit: UnitId) -> Option<Signature> {
+            let mut random = Random::new(u64::from(unit.0));
+            let mut code = || (100.0 + 80.0 * random.unit()) as u8;
+            Some(Signature::from_bytes(core::array::from_fn(|_| code())))
+        }
+
+        fn cues(&self, _: UnitId) -> Option<Cues> {
+            None
+        }
+    }
+
+    fn glance(random: &mut Random) -> Glance {
+        let size = [900, 700];
+        let turned = Radians(random.unit());
+        let view = EyeView {
+            position: Default::default(),
+            axes: Axes::from_yaw_pitch_roll(turned, turned, turned),
+            field: Field::across(Radians::from_degrees(80.0), size),
+            size,
+            eye: Eye::Left,
+        };
+        let yaw = Radians(turned.0 + 0.3 * random.unit());
+        Glance {
+            gaze: GazeSample::at(Seconds(0.0), yaw, turned),
+            view: Some(view),
+            state: EyeState::Steady,
+        }
+    }
+
+    #[test]
+    fn losses_found_bit_by_bit_over_many_frames_are_those_found_at_once() {
+        let mut random = Random::new(7);
+        for surface in [Surface::cube(512), Surface::cube(512).for_two_eyes()] {
+            let grid = TileGrid::new(surface, Cut::Tile(64), 4, 2).unwrap();
+            let content = Mixed(UnknownUnits::new(grid));
+            let config = PolicyConfig::new(Policy::Perceptual);
+            let meter = LossMeter::new(&grid, &config.perception);
+            let (mut glance, mut room, mut frame) = (glance(&mut random), 0.0, 0);
+            let mut kept = Glimpse::default();
+            for step in 0..60_u32 {
+                match step % 6 {
+                    0 => (glance, room) = (self::glance(&mut random), 0.0),
+                    3 => frame += 1,
+                    _ => room += 0.1,
+                }
+                let zones = [0.5, 0.4, 0.8].map(|bound| bound + f64::from(step / 18 % 2));
+                let around = Around {
+                    glance: &glance,
+                    room: Radians(room),
+                    bounds: (step / 9 % 2 == 0).then_some(ZoneBounds(zones)),
+                };
+                let mut losses = kept.look(&meter, &grid, (&content, frame), &around);
+                for _ in 0..100 {
+                    let rank = random.unit() * losses.losses.cells as f64;
+                    let level = 1.0 + random.unit() * 3.0;
+                    let _ = losses.is_within(rank as usize, level as u8, 1.0);
+                }
+                let mut found = kept.clone();
+                let looks = |glimpse: &mut Glimpse| {
+                    let mut losses = glimpse.look(&meter, &grid, (&content, frame), &around);
+                    losses.find_all();
+                };
+                let mut alone = Glimpse::default();
+                looks(&mut found);
+                looks(&mut alone);
+                assert_eq!(found.losses, alone.losses, "{step}");
+                assert!(found.losses.in_view.contains(&true));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_sensed_of_a_large_picture_is_not_all_kept() {
+        let grid = TileGrid::new(Surface::cube(5120), Cut::Tile(64), 4, 2).unwrap();
+        let content = Mixed(UnknownUnits::new(grid));
+        let config = PolicyConfig::new(Policy::Perceptual);
+        let meter = LossMeter::new(&grid, &config.perception);
+        let everywhere = Glance {
+            view: None,
+            ..glance(&mut Random::new(1))
+        };
+        let around = Around {
+            glance: &everywhere,
+            room: Radians(0.0),
+            bounds: None,
+        };
+        let mut glimpse = Glimpse::default();
+        let mut losses = glimpse.look(&meter, &grid, (&content, 0), &around);
+        losses.find_all();
+        assert!(glimpse.seen.places.len() > 6 * MOST_SENSED);
+        assert!(glimpse.seen.sensed.len() <= MOST_SENSED);
+    }
 }

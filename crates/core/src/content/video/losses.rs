@@ -3,14 +3,11 @@
 //! From signatures alone: contrast that the finer steps would add, seen by the eye at that place,
 //! pooled as the judge pools ([`visible_loss`](crate::perception::visible_loss)).
 
-use crate::content::video::calibration::{ZONES, ZoneBounds, ZoneLosses};
-use crate::content::video::glimpse::Glimpse;
+use crate::content::video::calibration::{ZONES, ZoneLosses};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::places::{Cells, SharedPlaces};
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::units::VideoUnits;
 use crate::perception::eye::share_of_octave;
-use crate::perception::glance::Glance;
 use crate::perception::measures::contrast::{SIGNATURE_BANDS, Signature};
 use crate::perception::parameters::{EyeState, Model, Parameters};
 use crate::perception::sensitivity_table::SensitivityTable;
@@ -101,28 +98,6 @@ impl Losses {
     }
 }
 
-/// What losses are asked of.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Around<'a> {
-    /// Who looks, through which view.
-    pub(super) glance: &'a Glance,
-    /// How far a head may turn while the eye stays.
-    pub(super) room: Radians,
-    /// What no cell may lose, where each zone has its own bound.
-    pub(super) bounds: Option<ZoneBounds>,
-}
-
-impl<'a> Around<'a> {
-    /// What is in view, without bounds.
-    fn only(glance: &'a Glance) -> Self {
-        Self {
-            glance,
-            room: Radians(0.0),
-            bounds: None,
-        }
-    }
-}
-
 /// Finds losses on one grid. A copy shares what was made for it.
 #[derive(Clone, Debug)]
 pub struct LossMeter {
@@ -160,36 +135,6 @@ impl LossMeter {
         }
     }
 
-    /// The losses of one glance. Costs a few µs a cell in view.
-    #[must_use]
-    pub fn losses(
-        &self,
-        grid: &TileGrid,
-        content: &dyn VideoUnits,
-        frame: u32,
-        glance: &Glance,
-    ) -> Losses {
-        let around = Around::only(glance);
-        let mut glimpse = Glimpse::default();
-        let mut losses = glimpse.look(self, grid, (content, frame), &around);
-        losses.find_all();
-        glimpse.into_losses()
-    }
-
-    /// What the picture of one glance loses at these levels. Costs less than its losses.
-    #[must_use]
-    pub fn lost(
-        &self,
-        grid: &TileGrid,
-        (content, frame): (&dyn VideoUnits, u32),
-        glance: &Glance,
-        shown: &LevelMap,
-    ) -> ZoneLosses {
-        let mut glimpse = Glimpse::default();
-        let mut losses = glimpse.look(self, grid, (content, frame), &Around::only(glance));
-        losses.of(shown)
-    }
-
     /// Sensitivity to every octave, from the finest of level 0 downwards, at a place where content
     /// has `ppd` pixels per degree and the display shows frequencies up to `display`.
     pub(super) fn sensed(
@@ -224,8 +169,8 @@ impl LossMeter {
 }
 
 /// How much is drawn of what a step adds, 0 to 1, where a pixel of the display covers
-/// 2^`footprint` level-0 pixels on a side: a view that shows content smaller than it is blends the two levels
-/// about its footprint, and nothing finer.
+/// 2^`footprint` level-0 pixels on a side: a view that shows content smaller than it is blends the
+/// two levels about its footprint, and nothing finer.
 pub(super) fn drawn_share(step: usize, footprint: f64, octaves_a_step: usize) -> f64 {
     (step as f64 + 1.0 - footprint / octaves_a_step as f64).clamp(0.0, 1.0)
 }

@@ -154,10 +154,7 @@ impl<'a> Sighted<'a> {
     }
 
     /// Those of a cell's places that are in view.
-    pub(crate) fn places<'b>(
-        &'b self,
-        cell: &'b CellPlaces,
-    ) -> impl Iterator<Item = &'b CellPlace> {
+    pub(crate) fn places<'b>(&self, cell: &'b CellPlaces) -> impl Iterator<Item = &'b CellPlace> {
         let in_view = |direction| match &self.view {
             Some((_, sight)) => sight.reaches(direction),
             None => true,

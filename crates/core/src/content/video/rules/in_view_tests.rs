@@ -77,7 +77,7 @@ fn what_is_in_view_is_as_fine_as_its_finest_probe() {
         for view in views(&grid.surface, &mut random) {
             let selector = Rules::new(grid, PolicyConfig::new(Policy::Viewport));
             let sight = selector.sight(&view);
-            for bounds in &selector.cells {
+            for bounds in selector.cells.iter() {
                 let reached = probes(&grid, bounds.cell)
                     .filter(|probe| sight.reaches(probe.direction))
                     .map(|probe| {
@@ -116,7 +116,7 @@ fn in_a_window_a_cell_is_as_fine_as_its_finest_probe() {
                 let gaze = grid.surface.direction(0, place);
                 let glance = glance(view, gaze, spread);
                 let sight = selector.sight(&view);
-                for bounds in &selector.cells {
+                for bounds in selector.cells.iter() {
                     let finest = probes(&grid, bounds.cell)
                         .filter(|probe| sight.reaches(probe.direction))
                         .map(|probe| selector.allowed_level(&glance, &probe))

@@ -7,9 +7,6 @@ use glam::DVec3;
 /// No level: it was not asked for yet.
 pub(super) const UNKNOWN: u8 = u8::MAX;
 
-/// Eyes that are remembered: those of a search for a slope, and a few densities of panels.
-const MOST_EYES: usize = 16;
-
 /// What was found of the last eyes on one grid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownAcuity {
@@ -28,9 +25,12 @@ pub(super) struct EyeBehind {
 }
 
 impl KnownAcuity {
+    /// Eyes that are remembered: those of a search for a slope, and a few densities of panels.
+    pub(crate) const MOST_EYES: usize = 16;
+
     /// How many eyes are remembered.
     #[cfg(test)]
-    pub(super) fn eyes(&self) -> usize {
+    pub(crate) fn eyes(&self) -> usize {
         self.found.len()
     }
 
@@ -40,7 +40,7 @@ impl KnownAcuity {
         let at = self.found.iter().rposition(|(known, _)| *known == eye);
         match at {
             Some(at) => self.found[at..].rotate_left(1),
-            None if last < MOST_EYES => self.found.push((eye, vec![UNKNOWN; cells])),
+            None if last < Self::MOST_EYES => self.found.push((eye, vec![UNKNOWN; cells])),
             None => {
                 self.found.rotate_left(1);
                 self.found[last - 1] = (eye, vec![UNKNOWN; cells]);

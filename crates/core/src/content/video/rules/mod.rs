@@ -19,6 +19,7 @@ use crate::view::axes::{angle_between, direction_between};
 use crate::view::eye_view::EyeView;
 use glam::DVec3;
 use sha2::{Digest, Sha256};
+use std::sync::Arc;
 
 pub mod distance;
 pub(crate) mod known_acuity;
@@ -65,7 +66,8 @@ pub fn places_hash(tiles: &[Tile]) -> String {
 pub struct Rules {
     grid: TileGrid,
     config: PolicyConfig,
-    cells: Vec<CellBounds>,
+    /// The same for all that is made of it.
+    cells: Arc<[CellBounds]>,
     thresholds: Vec<Radians>,
     /// How far outside the view `acuity` looks, as the head may turn there while the eye stays.
     head_room: Radians,
@@ -273,13 +275,15 @@ impl Rules {
         let nearest = bounds.nearest_probe(&self.grid, gaze.gaze_in_content);
         let found = self.allowed_level(glance, &nearest);
         let eccentricity = glance.eccentricity(nearest.direction).0 - CellBounds::NEAREST_WITHIN.0;
-        if floor(Radians(eccentricity.max(0.0))) == found {
-            return found;
+        let finest = floor(Radians(eccentricity.max(0.0)));
+        let mut level = found;
+        for probe in probes(&self.grid, bounds.cell) {
+            if level <= finest {
+                break;
+            }
+            level = level.min(self.allowed_level(glance, &probe));
         }
-        probes(&self.grid, bounds.cell)
-            .map(|probe| self.allowed_level(glance, &probe))
-            .min()
-            .unwrap_or(0)
+        level
     }
 
     /// No place of a cell at `nearest` or farther from the gaze is allowed a finer level than this.
@@ -350,11 +354,14 @@ impl Rules {
     /// sphere that of the display's densest corner, so that a head that nods under a steady eye
     /// changes nothing.
     fn display_limit(&self, glance: &Glance, probe: &Probe) -> f64 {
-        let eccentricity = glance.eccentricity(probe.direction);
         let limit = glance.view.map_or(0.0, |view| match self.turns(glance) {
             true => probe.ppd.0 / view.most_ppd().0,
             false => view.footprint(probe.ppd, probe.direction),
         });
+        if self.config.safety_disc.0 <= 0.0 {
+            return limit;
+        }
+        let eccentricity = glance.eccentricity(probe.direction);
         limit.min(self.disc_footprint(eccentricity, seen_ppd(glance, probe)))
     }
 }

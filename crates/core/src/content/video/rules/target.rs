@@ -8,10 +8,10 @@
 use crate::content::policy::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::calibration::Scale;
-use crate::content::video::glimpse::{Finder, Glimpse};
+use crate::content::video::glimpse::{Around, Finder, Glimpse};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
-use crate::content::video::losses::{Around, LossMeter, Losses};
+use crate::content::video::losses::{LossMeter, Losses};
 use crate::content::video::rules::known_acuity::KnownAcuity;
 use crate::content::video::rules::steady::SteadySelector;
 use crate::content::video::rules::still::{gaze_stays, head_room, is_turned_view, stays};
@@ -202,7 +202,7 @@ impl TargetSelector {
                 (_, None) => self.by_bound(&mut losses, &scale),
             },
         };
-        self.glimpse = glimpse;
+        self.keep(glimpse);
         floor.iter().for_each(|floor| needed.refine_to(floor));
         self.before = Some(Chosen {
             floor,
@@ -213,6 +213,14 @@ impl TargetSelector {
             needed: needed.clone(),
         });
         needed
+    }
+
+    /// Keeps what was found; not under `acuity`, where a glance is rarely measured twice.
+    fn keep(&mut self, mut glimpse: Glimpse) {
+        if self.rule.is_none() {
+            glimpse.trim();
+            self.glimpse = glimpse;
+        }
     }
 
     /// What is kept in addition to what is chosen while the eye stays and the head turns far. The

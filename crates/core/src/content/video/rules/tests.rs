@@ -251,7 +251,7 @@ fn bounds_skip_no_cell_that_probing_would_refine() {
         let grid = TileGrid::new(Surface::cube(1024), Cut::Tile(128), 5, 2).unwrap();
         let selector = Rules::new(grid, config);
         let glance = degrees(33.0, -21.0);
-        for bounds in &selector.cells {
+        for bounds in selector.cells.iter() {
             let probed = probes(&grid, bounds.cell)
                 .map(|p| level_of_footprint(&grid, selector.acuity_footprint(&glance, &p)))
                 .min();
@@ -520,7 +520,7 @@ fn what_skips_probes_gives_the_level_that_all_probes_give() {
             glance.view = glance.view.filter(|_| headset);
             glance.gaze.gaze_in_content = grid.surface.direction(0, place);
             glance.gaze.spread = Radians::from_degrees(spread);
-            for bounds in &selector.cells {
+            for bounds in selector.cells.iter() {
                 let all = probes(&grid, bounds.cell);
                 let finest = all
                     .map(|probe| selector.allowed_level(&glance, &probe))
