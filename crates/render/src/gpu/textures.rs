@@ -26,6 +26,15 @@ pub(crate) fn texture_array(
     })
 }
 
+/// Texels of two channels: samples of `u` and `v` in turn.
+pub(crate) fn paired(u: &[u8], v: &[u8]) -> Vec<u8> {
+    let mut texels = vec![0; 2 * u.len()];
+    for (texel, (u, v)) in texels.chunks_exact_mut(2).zip(u.iter().zip(v)) {
+        texel.copy_from_slice(&[*u, *v]);
+    }
+    texels
+}
+
 /// Writes texels, row by row, to a column, row, layer and mip of a texture; `size` is their columns
 /// and rows, at least 1.
 pub(crate) fn write_texels(

@@ -3,7 +3,7 @@
 //! In one texture array of luma and one of chroma, both divided as [`AtlasShape`] says, which grow
 //! by layers. Chroma has two channels and half the size: U and V are always read together.
 
-use crate::gpu::textures::{texture_array, write_texels};
+use crate::gpu::textures::{paired, texture_array, write_texels};
 use crate::tiles::atlas_shape::AtlasShape;
 use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::Samples};
 use foveal_core::content::video::grid::tile_grid::Tile;
@@ -37,10 +37,8 @@ impl Planes {
         let [left, top, layer] = place;
         let at = [left >> mip, top >> mip, layer, mip];
         write_texels(gpu, &self.luma, at, y.size, &y.codes);
-        let pairs = u.codes.iter().zip(&v.codes);
-        let pairs: Vec<u8> = pairs.flat_map(|(&u, &v)| [u, v]).collect();
         let at = [(left / 2) >> mip, (top / 2) >> mip, layer, mip];
-        write_texels(gpu, &self.chroma, at, u.size, &pairs);
+        write_texels(gpu, &self.chroma, at, u.size, &paired(&u.codes, &v.codes));
     }
 
     /// Bytes of both textures, all mips and layers.

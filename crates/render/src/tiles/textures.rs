@@ -10,7 +10,7 @@ use crate::gpu::picture_target::PictureTarget;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gpu::readback::PictureCopy;
 use crate::gpu::screen_pass::{Reads, ScreenPass};
-use crate::gpu::textures::{texture_array, write_texels};
+use crate::gpu::textures::{paired, texture_array, write_texels};
 use crate::params::{TileParams, ViewParams};
 use crate::shaders;
 use crate::tiles::blur::{Blur, FirstHalf, RadialBlur};
@@ -105,9 +105,7 @@ impl TextureRenderer {
         check(&self.grid, tile, picture)?;
         let step = self.grid.tile_size(Tile { x: 0, y: 0, ..tile });
         let textures = &self.levels[usize::from(tile.level)];
-        let chroma: Vec<u8> = (picture.planes[1].iter().zip(&picture.planes[2]))
-            .flat_map(|(&u, &v)| [u, v])
-            .collect();
+        let chroma = paired(&picture.planes[1], &picture.planes[2]);
         for (plane, texture, bytes) in [
             (0, &textures.luma, &picture.planes[0]),
             (1, &textures.chroma, &chroma),
