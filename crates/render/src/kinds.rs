@@ -1,7 +1,7 @@
 //! Which kinds of units has a scene, and what draws each?
 //!
-//! A kind is registered here, once for the GPU and once for the twin; all else of it stands in its
-//! own folder.
+//! A kind is registered here, once for the GPU and once for the twin. `ARCHITECTURE.md` lists where
+//! else a kind is named.
 
 use crate::error::RenderError;
 use crate::gpu::device::Gpu;

@@ -97,9 +97,13 @@ pub(crate) fn run(args: &VerifyArgs) -> anyhow::Result<()> {
     };
     let told = cuts.map_or_else(String::new, |it| {
         format!(
-            "; {} and {}: at most {}, the source has {}",
+            "; {} and {}: {} at most {}, the source has {}",
             counted(it.cuts, "cut"),
             counted(it.orders, "order"),
+            match it.odd_edges_max <= it.source_odd_edges {
+                true => "no crack,",
+                false => "cracks,",
+            },
             counted(it.odd_edges_max, "odd edge"),
             it.source_odd_edges
         )

@@ -12,7 +12,7 @@ use std::path::Path;
 pub(crate) struct Watching {
     /// The link between pack and viewer, as RATE or RATE,DELAY: 8mbit or 8mbit,30ms. A rate is in
     /// kbit, mbit or gbit a second (kB/s and MB/s too), or 3g, 4g, 5g: 2, 40, 67 mbit; a delay in
-    /// ms or s. It limits the tiles that uniform, eccentricity and perceptual fetch beyond the
+    /// ms or s. It limits the units that uniform, eccentricity and perceptual fetch beyond the
     /// coarsest level, which is always sent (default: no limit).
     #[arg(long, value_name = "L", value_parser = parse_link)]
     pub(crate) link: Option<Link>,

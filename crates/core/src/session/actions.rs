@@ -19,8 +19,9 @@ pub struct Now {
     pub media: Seconds,
     /// What the content's time does.
     pub pace: Pace,
-    /// How long a picture is drawn while none can be shown: by
-    /// [`Figures::slow_draw`](crate::session::figures::Figures::slow_draw).
+    /// How long the next picture is expected to take to draw, where that is longer than a frame is
+    /// shown; else 0. [`Figures::slow_draw`](crate::session::figures::Figures::slow_draw) says it,
+    /// from what [`SessionEvent::Drawn`] reported.
     pub drawing: Seconds,
     /// Until when what is brought can be spent on what is chosen now, by the clock of gazes.
     pub until: Seconds,

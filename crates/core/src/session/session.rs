@@ -52,7 +52,7 @@ pub struct SessionSettings {
 /// One viewer's run over a scene.
 ///
 /// A session opens no file, waits for nothing and reads no clock. Its caller uses methods
-/// of four groups, which stand here in the order of one round.
+/// of four groups; a round is events, then the step.
 ///
 /// **Events** report what happened: [`Self::take`], any number before a step, in the order in
 /// which they happened. What was decoded or found damaged counts from the next step on, all else
@@ -285,7 +285,7 @@ impl Session {
         });
     }
 
-    /// Fetches everything once more: what shows it keeps nothing.
+    /// Fetches everything once more, after what draws has lost all that it held.
     pub fn fetch_anew(&mut self) {
         self.shown = None;
         self.coming = None;

@@ -156,14 +156,14 @@ impl KindLayer for MeshLayer {
         matches!(coming.payload, PayloadView::Mesh(_))
     }
 
-    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+    fn upload(&mut self, coming: &Coming<'_>, allowed: TakenBytes) -> Result<bool, RenderError> {
         let PayloadView::Mesh(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
         if self.show(coming.unit) || !self.units.insert(coming, payload)? {
             return Ok(true);
         }
-        if let Err(error) = self.memory.insert(&mut self.units, coming.unit, left) {
+        if let Err(error) = self.memory.insert(&mut self.units, coming.unit, allowed) {
             self.units.remove(coming.unit);
             return Err(error);
         }

@@ -94,7 +94,7 @@ impl KindLayer for PageLayer {
         matches!(coming.payload, PayloadView::Image(_))
     }
 
-    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+    fn upload(&mut self, coming: &Coming<'_>, allowed: TakenBytes) -> Result<bool, RenderError> {
         let PayloadView::Image(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
@@ -105,7 +105,7 @@ impl KindLayer for PageLayer {
         let pictures = self.table.pictures_of(unit, needs, payload)?;
         let mut slots = Vec::new();
         for picture in &pictures {
-            let Some(slot) = self.take_slot(left.held) else {
+            let Some(slot) = self.take_slot(allowed.held) else {
                 self.atlas.give_back(slots);
                 return Ok(false);
             };

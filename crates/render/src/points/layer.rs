@@ -146,7 +146,7 @@ impl KindLayer for PointLayer {
         matches!(coming.payload, PayloadView::Points(_))
     }
 
-    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+    fn upload(&mut self, coming: &Coming<'_>, allowed: TakenBytes) -> Result<bool, RenderError> {
         let PayloadView::Points(payload) = coming.payload else {
             return Err(RenderError::OtherKind);
         };
@@ -160,8 +160,11 @@ impl KindLayer for PointLayer {
             return Ok(true);
         };
         let bytes = self.memory.taken().used + placed_bytes(placed);
-        let most = left.used;
-        let fits = bytes <= most && self.memory.insert(coming.unit, (placed, cloud), left.held);
+        let most = allowed.used;
+        let fits = bytes <= most
+            && self
+                .memory
+                .insert(coming.unit, (placed, cloud), allowed.held);
         if !fits {
             self.units.remove(coming.unit);
             return Err(RenderError::NoRoom { bytes, most });

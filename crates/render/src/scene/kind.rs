@@ -49,12 +49,15 @@ pub trait KindLayer {
     /// Whether a unit is of this kind.
     fn takes(&self, coming: &Coming<'_>) -> bool;
 
-    /// Adds a unit after its prerequisites, where the layer may take the bytes `left`; one that is
-    /// there stays as it is. `false` where there is no room and what is coarser can be shown.
+    /// Adds a unit after its prerequisites; one that is there stays as it is. `allowed` is what the
+    /// whole layer may take, what it has already included. `false` where that is too little and
+    /// what is coarser can be shown as well: other layers then give back what they hold and do not
+    /// use, and the unit is tried once more.
     ///
     /// # Errors
-    /// It does not fit to what is there or into the bytes left: nothing changed then.
-    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError>;
+    /// It does not fit to what is there, or, as [`RenderError::NoRoom`], into what was promised to
+    /// units of this kind: then others must make room. Nothing changed.
+    fn upload(&mut self, coming: &Coming<'_>, allowed: TakenBytes) -> Result<bool, RenderError>;
 
     /// Takes a unit away that is drawn; `false` where it was not there.
     fn remove(&mut self, unit: UnitId) -> bool;

@@ -91,9 +91,9 @@ impl KindLayer for BoxLayer {
         box_of(coming).is_some()
     }
 
-    fn upload(&mut self, coming: &Coming<'_>, left: TakenBytes) -> Result<bool, RenderError> {
+    fn upload(&mut self, coming: &Coming<'_>, allowed: TakenBytes) -> Result<bool, RenderError> {
         let payload = box_of(coming).ok_or(RenderError::OtherKind)?;
-        let fits = self.taken().used + GPU_BYTES <= left.used;
+        let fits = self.taken().used + GPU_BYTES <= allowed.used;
         if fits {
             self.units.insert(coming.unit, payload.0);
         }

@@ -338,7 +338,8 @@ impl PrepareSceneArgs {
         let about = file.pack().description();
         self.refuse_mends(&about.repairs, &about.remarks)?;
         let text = format!(
-            "{}: is there already, made in the same way; nothing was written",
+            "{}: already exists, made from the same files with the same options; nothing was \
+             written",
             out.display()
         );
         self.say_done(&SceneInfo::new(&file), true, &text)

@@ -230,7 +230,7 @@ pub(crate) fn run(args: &PrepareVideoArgs) -> anyhow::Result<()> {
     if let Some(there) = there.as_ref().filter(|_| !args.force) {
         let pack = there.if_it_is(&pack_identity_of(&args.input, &plan)?)?;
         let text = format!(
-            "{}: is there already, made in the same way of {}; nothing was written",
+            "{}: already exists, made from {} with the same options; nothing was written",
             out.display(),
             args.input.display()
         );

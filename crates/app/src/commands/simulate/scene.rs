@@ -450,8 +450,10 @@ impl SceneSummary {
         }
         if let Some(score) = &self.score {
             text += &score.text();
-            text += "no target: the score of a scene is not known while levels are chosen, so \
-                     --target does not apply\n";
+            if self.policy != Policy::Acuity.name() {
+                text += "no target: the score of a scene is not known while levels are chosen, \
+                         so --target does not apply\n";
+            }
         }
         if let Some(panels) = &self.panels {
             text += &PlayedPanel::text(panels);

@@ -131,8 +131,11 @@ impl Script {
 }
 
 fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, ScriptStep)> {
-    let (at, rest) = line.split_once(char::is_whitespace).context(FORMS)?;
-    let at: f64 = at.parse().ok().context(FORMS)?;
+    let expected = || format!("expected {FORMS}");
+    let (at, rest) = line
+        .split_once(char::is_whitespace)
+        .with_context(expected)?;
+    let at: f64 = at.parse().ok().with_context(expected)?;
     if !(0.0..=1e7).contains(&at) {
         bail!("expected a time of 0 to 10000000 s");
     }
@@ -161,7 +164,7 @@ fn parse_line(line: &str, in_scene: bool) -> anyhow::Result<(f64, ScriptStep)> {
         "quit" => nothing(ScriptStep::Quit),
         _ => None,
     };
-    Ok((at, step.with_context(|| format!("expected {FORMS}"))?))
+    Ok((at, step.with_context(expected)?))
 }
 
 fn key_named(what: &str, name: &str, in_scene: bool) -> anyhow::Result<ScriptStep> {
@@ -188,6 +191,10 @@ fn screenshot_named(name: &str) -> anyhow::Result<Option<ScriptStep>> {
     if ending.is_some_and(|ending| OTHER_PICTURES.iter().any(|other| ending == *other)) {
         bail!("a screenshot is a PNG file; give it the ending .png");
     }
+    let path = match path.extension() {
+        None => path.with_extension("png"),
+        Some(_) => path,
+    };
     Ok((!name.is_empty()).then_some(ScriptStep::Screenshot(path)))
 }
 

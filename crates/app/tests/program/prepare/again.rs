@@ -48,7 +48,7 @@ fn the_same_preparation_is_done_already_and_writes_nothing() {
     ] {
         let ran = done(&again);
         assert_eq!(ran.stdout.lines().count(), 1, "{}", ran.stdout);
-        assert!(ran.stdout.contains("a.foveal: is there already"));
+        assert!(ran.stdout.contains("a.foveal: already exists"));
         assert_eq!(ran.stderr, "");
         kept.assert();
     }

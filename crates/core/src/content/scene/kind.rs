@@ -28,7 +28,7 @@ pub struct KindFacts {
     pub leaves: &'static str,
     /// Its number in the table of units.
     pub(crate) byte: u8,
-    /// How many of the pixels that a signature was measured in an error is wide.
+    /// Width of a unit's error in pixels, of the pictures that its signature was measured in.
     pub pixels_of_error: f64,
     /// Whether it stands in space: what it covers of a view can be measured, and it belongs to one
     /// object. What does not, as a page of a texture, lies on what does.
