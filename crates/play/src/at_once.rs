@@ -68,14 +68,17 @@ impl AtOnce {
 impl Supply for AtOnce {
     fn want(&mut self, pieces: &[Piece]) {
         self.decoder.cancel();
-        for piece in pieces {
-            let bytes = self.bytes.of(piece.unit.unit);
-            self.decoder.request(*piece, bytes);
-        }
+        let with_bytes = |piece: &Piece| (*piece, self.bytes.of(piece.unit.unit));
+        let wanted = pieces.iter().map(with_bytes).collect();
+        self.decoder.request(wanted);
         if let Some(piece) = pieces.first() {
             self.ahead
                 .expect(piece.frame, &self.bytes, &mut *self.decoder);
         }
+    }
+
+    fn wait_for_all(&mut self, patience: Option<Duration>) {
+        self.decoder.wait_for_all(patience);
     }
 
     fn next(&mut self, patience: Option<Duration>) -> Option<Decoded> {

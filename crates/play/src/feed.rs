@@ -159,13 +159,14 @@ impl Shared {
             if state.stop {
                 return false;
             }
-            while state.under_way.len() < most {
-                let Some(piece) = state.queue.pop_front() else {
-                    break;
-                };
-                state.under_way.insert(piece);
-                decoder.request(piece, bytes.of(piece.unit.unit));
-                ahead.expect(piece.frame, bytes, decoder);
+            let room = most.saturating_sub(state.under_way.len());
+            let few = room.min(state.queue.len());
+            let next: Vec<Piece> = state.queue.drain(..few).collect();
+            if let Some(last) = next.last() {
+                state.under_way.extend(&next);
+                let with_bytes = |piece: &Piece| (*piece, bytes.of(piece.unit.unit));
+                decoder.request(next.iter().map(with_bytes).collect());
+                ahead.expect(last.frame, bytes, decoder);
             }
             if !state.under_way.is_empty() {
                 return true;

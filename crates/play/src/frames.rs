@@ -214,8 +214,31 @@ impl FramePlayer {
             tiles.follow(&now.moment.gaze, &view)?;
         }
         let upload = made.upload + settling.elapsed();
-        let report = self.observed((frame, watched), &now, made)?;
-        Ok(FrameReport { upload, ..report })
+        let busy = made.choose + made.decode + upload;
+        let patience = patience.map_or(Duration::ZERO, |_| period);
+        Ok(FrameReport {
+            upload,
+            wait: patience.saturating_sub(busy),
+            ..self.observed((frame, watched), &now, made)?
+        })
+    }
+
+    /// Draws the frame that was shown last for a view, and waits until that is done; how long it
+    /// took goes into the frame's report.
+    ///
+    /// # Errors
+    /// The picture is larger than the device draws, or the device was lost.
+    pub fn draw(&mut self, view: &EyeView, report: &mut FrameReport) -> Result<(), PlayError> {
+        let begun = Instant::now();
+        let drawer = self.player.drawer_mut();
+        if drawer.draw(view, None)?.is_none() {
+            drawer.picture(view, None)?;
+        } else if let Some(tiles) = drawer.tiles_mut() {
+            tiles.settle()?;
+        }
+        report.draw = begun.elapsed();
+        report.wait = report.wait.saturating_sub(report.draw);
+        Ok(())
     }
 
     /// What a frame that was made shows a viewer.
@@ -263,10 +286,13 @@ impl FramePlayer {
             pixels,
             share: pixels as f64 / self.grid().surface.pixels() as f64,
             decoded_pixels: made.decoded_samples,
+            decodes: made.decodes,
             new_bytes: made.new_bytes,
             choose: made.choose,
             decode: made.decode,
             upload: made.upload,
+            draw: Duration::ZERO,
+            wait: Duration::ZERO,
             wrong_frame_tiles: self.wrong_frame_units(),
             failed_tiles: made.damaged,
             level_changes,

@@ -57,7 +57,7 @@ impl TileJudge {
             state: EyeState::Steady,
         });
         let through = |glance: Glance| {
-            let losses = self.meter.losses(grid, video, frame, &glance).of(shown);
+            let losses = self.meter.lost(grid, (video, frame), &glance, shown);
             let gains = self.worth.gains(grid, video, frame, &glance);
             let scale = video.scale(glance.view.as_ref());
             let expected = scale.expected(self.rule.expectation(), &losses);

@@ -31,6 +31,8 @@ pub struct Made {
     pub page_bytes: u64,
     /// Samples decoded, those to catch up included.
     pub decoded_samples: u64,
+    /// Frames of units decoded, those to catch up included.
+    pub decodes: u32,
     /// Pieces that could not be decoded.
     pub damaged: usize,
     /// Time of choosing.
@@ -152,9 +154,12 @@ impl Player {
         let is_base = |piece: &Piece| content.unit(piece.unit.unit).level == content.coarsest();
         let mut left: HashSet<Piece> = self.session.requested().iter().copied().collect();
         let mut base = left.iter().filter(|piece| is_base(piece)).count();
+        let until_due = || {
+            patience.map(|(begun, most): (Instant, Duration)| most.saturating_sub(begun.elapsed()))
+        };
+        self.supply.wait_for_all(until_due());
         while !left.is_empty() {
-            let patience = patience.filter(|_| base == 0);
-            let patience = patience.map(|(begun, most)| most.saturating_sub(begun.elapsed()));
+            let patience = until_due().filter(|_| base == 0);
             let Some(decoded) = self.supply.next(patience) else {
                 break;
             };
@@ -165,6 +170,7 @@ impl Player {
             base -= usize::from(is_base(&decoded.piece));
             let samples = content.unit(decoded.piece.unit.unit).samples;
             made.decoded_samples += u64::from(decoded.frames) * samples;
+            made.decodes += decoded.frames;
             made.damaged += usize::from(decoded.payload.is_err());
             self.take_or_stop(decoded)?;
         }

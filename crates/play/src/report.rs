@@ -50,6 +50,8 @@ pub struct FrameReport {
     pub share: f64,
     /// Pixels decoded, those to catch up included.
     pub decoded_pixels: u64,
+    /// Pictures of tiles decoded, those to catch up included.
+    pub decodes: u32,
     /// Bytes of units that were needed for the first time.
     pub new_bytes: u64,
     /// Time of choosing them.
@@ -58,6 +60,12 @@ pub struct FrameReport {
     pub decode: Duration,
     /// Time of making them resident.
     pub upload: Duration,
+    /// Time of drawing the picture, until it is done, without reading it back; zero until it is
+    /// [drawn](crate::FramePlayer::draw).
+    pub draw: Duration,
+    /// What all of that leaves of the frame's time where it is paced, in which nothing is to be
+    /// done; zero where frames are played as fast as they come.
+    pub wait: Duration,
     /// Whether the frame's time was over before it could be shown, be it with coarser tiles in the
     /// place of missing ones. The first frame cannot be: time begins with it.
     pub late: bool,

@@ -9,6 +9,12 @@ pub trait Supply {
     /// From now on these are wanted, in this order, and nothing else.
     fn want(&mut self, pieces: &[Piece]);
 
+    /// Waits until all that is wanted came, at most this long, or without limit; by default not at
+    /// all.
+    fn wait_for_all(&mut self, patience: Option<Duration>) {
+        let _ = patience;
+    }
+
     /// The next piece that came; waits for it at most this long, or without limit.
     fn next(&mut self, patience: Option<Duration>) -> Option<Decoded>;
 }

@@ -19,6 +19,7 @@ use foveal_core::session::actions::{Cache, Now, SessionAction, SessionEvent};
 use foveal_core::session::session::Session;
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::eye_view::EyeView;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Resident units of assets and what draws them, one drawer an asset, in a session's order.
@@ -30,6 +31,8 @@ pub struct Drawer {
     assets: Vec<AssetDrawer>,
     /// Units that did not fit to what is there.
     refused: u64,
+    /// Units for which the bound of GPU memory left no room when they came.
+    without_room: HashSet<UnitRef>,
     /// What was to be shown again and was not there.
     evicted: Vec<Piece>,
 }
@@ -87,6 +90,7 @@ impl Drawer {
             device: device.clone(),
             assets: vec![asset],
             refused: 0,
+            without_room: HashSet::new(),
             evicted: Vec::new(),
         }
     }
@@ -201,10 +205,11 @@ impl Drawer {
     /// It is not what its unit should be, or the device was lost.
     pub fn upload(&mut self, piece: Piece, payload: Payload) -> Result<(), RenderError> {
         let asset = self.assets.get_mut(usize::from(piece.unit.asset.0));
-        let is_there = asset
-            .ok_or(RenderError::OtherKind)?
-            .upload(piece, payload)?;
-        self.refused += u64::from(!is_there);
+        let asset = asset.ok_or(RenderError::OtherKind)?;
+        match asset.upload(piece, payload)? {
+            true => self.without_room.remove(&piece.unit),
+            false => self.without_room.insert(piece.unit),
+        };
         Ok(())
     }
 
@@ -318,6 +323,13 @@ impl Drawer {
             AssetDrawer::Tiles(_) => false,
             AssetDrawer::Scene(scene) => scene.is_morphing(),
         })
+    }
+
+    /// Units for which the bound of GPU memory left no room when they last came: coarser ones are
+    /// shown.
+    #[must_use]
+    pub fn units_without_room(&self) -> usize {
+        self.without_room.len()
     }
 
     /// Units that did not fit to those that were there: they are damaged, and so are those that

@@ -10,6 +10,7 @@ use crate::report::fault::Fault;
 pub(crate) use crate::report::fault::told;
 use crate::report::visible::{bounded, visible};
 use anyhow::{Context, anyhow, bail};
+use foveal_core::units::counted;
 use foveal_media::plain_file::{open_plain, open_sink, read_plain, rename_durably, rename_new};
 use indicatif::{ProgressBar, ProgressStyle};
 use old_names::with_old_names;
@@ -135,11 +136,16 @@ const MOST_JOBS: usize = 256;
 /// As many threads as asked for, else as many as there are cores.
 pub(crate) fn jobs(asked: Option<usize>) -> Result<usize, WrongUsage> {
     match asked {
-        Some(jobs) if !(1..=MOST_JOBS).contains(&jobs) => {
-            Err(out_of_range("--jobs", jobs, &format!("1 to {MOST_JOBS}")))
-        }
-        Some(jobs) => Ok(jobs),
+        Some(jobs) => threads("--jobs", jobs),
         None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZero::get)),
+    }
+}
+
+/// As many threads as an option asks for.
+pub(crate) fn threads(option: &str, asked: usize) -> Result<usize, WrongUsage> {
+    match (1..=MOST_JOBS).contains(&asked) {
+        true => Ok(asked),
+        false => Err(out_of_range(option, asked, &format!("1 to {MOST_JOBS}"))),
     }
 }
 
@@ -310,6 +316,18 @@ pub(crate) fn refetched(bytes: u64) -> String {
         _ => format!(
             "{} fetched again: more than a client holds in memory\n",
             size(bytes)
+        ),
+    }
+}
+
+/// Says that units were left out for lack of GPU memory; nothing where none was.
+pub(crate) fn without_room(units: usize) -> String {
+    match units {
+        0 => String::new(),
+        _ => format!(
+            "{} had no room on the GPU, and coarser ones stood in: a larger --gpu-memory shows \
+             more\n",
+            counted(units, "unit")
         ),
     }
 }

@@ -90,8 +90,12 @@ fn a_benchmark_without_content_or_with_too_few_frames_is_refused() {
     let bench = ["bench", "video", "x.foveal"];
     let policy = [&bench[..], &["--policy", "best"]].concat();
     refused(2, &policy, &["--policy", "perceptual"]);
-    let slope = [&bench[..], &["--policy", "grid", "--slope", "0.01"]].concat();
-    refused(2, &slope, &["--slope", "acuity"]);
+    for policy in ["grid", "all"] {
+        let slope = [&bench[..], &["--policy", policy, "--slope", "0.01"]].concat();
+        refused(2, &slope, &["--slope", "acuity"]);
+    }
+    let workers = [&bench[..], &["--workers", "4,0"]].concat();
+    refused(2, &workers, &["--workers is 0", "1 to 256"]);
     let score = [&bench[..], &["--policy", "grid", "--target", "9"]].concat();
     refused(2, &score, &["--target", "grid"]);
     let target = ["bench", "video", "x.foveal", "--target", "10"];
@@ -130,9 +134,25 @@ fn the_rule_of_a_published_system_is_timed_beside_ours_at_its_score() {
     }
     assert_eq!(published["full"], report["full"], "they play one pack");
     // A rule that has no score is timed as it is.
-    let grid = json(&[&bench[..], &["--policy", "grid", "--renderer", "none"]].concat());
+    let grid = [
+        "--policy",
+        "grid",
+        "--renderer",
+        "none",
+        "--workers",
+        "1,40",
+    ];
+    let grid = json(&[&bench[..], &grid[..]].concat());
     agrees("bench video", &[&report, &grid]);
     assert_eq!(grid["policy"], "grid");
+    // More threads than there are tiles are as good as others.
+    let workers = grid["workers"].as_array().unwrap();
+    let counts: Vec<f64> = workers.iter().map(|it| number(it, "workers")).collect();
+    assert_eq!(counts, [1.0, 40.0]);
+    for row in workers {
+        assert!(number(row, "decode_ms_mean") > 0.0, "{row}");
+        assert!(number(row, "foveated_fps") > 0.0, "{row}");
+    }
     assert!(
         grid["score"].is_null() && grid["published"].is_null(),
         "{grid}"
@@ -141,6 +161,38 @@ fn the_rule_of_a_published_system_is_timed_beside_ours_at_its_score() {
         number(&grid, "foveated_fps") > number(&grid, "full_fps"),
         "{grid}"
     );
+}
+
+#[test]
+fn both_rules_that_keep_a_target_are_timed_in_one_run_part_by_part() {
+    let folder = Folder::new();
+    let clip = wide_clip(&folder, [640, 360], 9);
+    let pack = folder.name("clip.foveal");
+    let calibrated = ["--projection", "flat", "--out", &pack];
+    done(&[&["prepare", "video", &clip], &calibrated[..]].concat());
+    let bench = ["bench", "video", &pack, "--frames", "20"];
+    let report = json(&[&bench[..], &["--policy", "all"]].concat());
+    let policies = report["policies"].as_object().unwrap();
+    assert_eq!(policies.len(), 2, "{report}");
+    for (name, policy) in policies {
+        assert_eq!(policy["policy"], **name);
+        assert!(number(policy, "decodes_per_frame") >= 1.0, "{policy}");
+        assert!(number(policy, "ratio") > 0.0, "{policy}");
+        for part in ["choose", "decode", "upload", "draw"] {
+            for key in ["ms_mean", "ms_median", "jump_ms_mean"] {
+                assert!(number(&policy["parts"][part], key) > 0.0, "{part} {policy}");
+            }
+        }
+        let wait = &policy["parts"]["wait"];
+        assert!(number(wait, "ms_mean") >= 0.0, "{policy}");
+        assert!(number(wait, "jump_ms_mean") >= 0.0, "{policy}");
+    }
+    // What stands at the top is of the first, the cheaper one where that is known.
+    let first = report["policy"].as_str().unwrap();
+    assert_eq!(report["parts"], policies[first]["parts"]);
+    let auto = json(&bench);
+    assert_eq!(auto["policy"], first, "{auto}");
+    assert_eq!(auto["policies"].as_object().unwrap().len(), 1, "{auto}");
 }
 
 #[test]

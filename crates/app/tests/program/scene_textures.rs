@@ -217,6 +217,26 @@ fn a_textured_sphere_is_prepared_verified_chosen_and_drawn() {
 }
 
 #[test]
+fn what_has_no_room_on_the_gpu_is_no_damage() {
+    let folder = Folder::new();
+    let source = folder.holding("ball.glb", &sphere_glb(&picture([1500, 700])));
+    let pack = folder.name("ball.foveal");
+    json(&["prepare", "scene", &source, "--out", &pack]);
+    let with = |memory: &str| {
+        let out = folder.name("out");
+        let run = ["simulate", &pack, "--out", &out, "--gaze", "0,0"];
+        let of = ["--view", "640x480", "--frames", "1", "--gpu-memory", memory];
+        json(&[&run[..], &of].concat())
+    };
+    let [little, enough] = ["1MB", "64MB"].map(with);
+    assert!(little["units_without_room"].as_u64() > Some(0), "{little}");
+    assert_eq!(enough["units_without_room"], 0, "{enough}");
+    for run in [little, enough] {
+        assert_eq!(run["damaged_units"], 0, "{run}");
+    }
+}
+
+#[test]
 fn an_obj_has_the_picture_that_its_materials_name_and_a_missing_one_leaves_the_colour() {
     let folder = Folder::new();
     let source = folder.holding("ball.obj", sphere_obj().as_bytes());

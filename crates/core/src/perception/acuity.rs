@@ -66,6 +66,12 @@ impl AcuityModel {
         }
     }
 
+    /// Whether all directions at an eccentricity have the same acuity.
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        matches!(self, Self::Linear { .. } | Self::Table(_))
+    }
+
     /// The highest acuity that any direction at this eccentricity has: a bound for skipping.
     #[must_use]
     pub fn best_acuity(&self, eccentricity: Radians) -> Cpd {

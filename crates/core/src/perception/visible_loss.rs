@@ -78,25 +78,15 @@ impl SensedTable {
         }
     }
 
-    /// At `octaves` (log2 of the frequency at the cortex in cycles per degree) and an eccentricity,
-    /// as [`SensitivityTable::at`] takes them, as far as the display shows it: `share` in 0..=1.
-    /// Interpolated linearly, constant beyond the ends.
+    /// Sensitivities at an eccentricity, as [`SensitivityTable::at`] takes it.
     #[must_use]
-    pub fn at(&self, octaves: f64, eccentricity: Radians, share: f64) -> Sensed {
+    pub fn row(&self, eccentricity: Radians) -> SensedRow<'_> {
         let rows = self.entries.len() / SensitivityTable::ENTRIES;
         let (row, down) = SensitivityTable::row(rows, eccentricity.0 as f32);
-        let near = self.in_row(row, octaves);
-        let sensed = match down > 0.0 {
-            true => near.towards(&self.in_row(row + 1, octaves), f64::from(down)),
-            false => near,
-        };
-        if share >= 1.0 {
-            return sensed;
-        }
-        let shown = Sensed::of(share);
-        Sensed {
-            difference: sensed.difference * shown.difference,
-            masking: sensed.masking * shown.masking,
+        SensedRow {
+            table: self,
+            row,
+            down: f64::from(down),
         }
     }
 
@@ -111,19 +101,57 @@ impl SensedTable {
     }
 }
 
+/// A [`SensedTable`] at one eccentricity.
+#[derive(Clone, Copy, Debug)]
+pub struct SensedRow<'a> {
+    table: &'a SensedTable,
+    row: usize,
+    down: f64,
+}
+
+impl SensedRow<'_> {
+    /// At `octaves` (log2 of the frequency at the cortex in cycles per degree), where the display
+    /// shows all of it. Interpolated linearly, constant beyond the ends.
+    #[must_use]
+    pub fn at(&self, octaves: f64) -> Sensed {
+        let near = self.table.in_row(self.row, octaves);
+        match self.down > 0.0 {
+            true => near.towards(&self.table.in_row(self.row + 1, octaves), self.down),
+            false => near,
+        }
+    }
+}
+
 impl Sensed {
+    /// Of a sensitivity, or of a share of one.
+    #[must_use]
+    pub fn of(sensitivity: f64) -> Self {
+        Self {
+            difference: libm::pow(sensitivity, DIFFERENCE_EXPONENT),
+            masking: libm::pow(sensitivity, MASKING_EXPONENTS[0]),
+        }
+    }
+
+    /// This sensitivity, as far as the display shows the octave.
+    #[must_use]
+    pub fn times(&self, share: &Self) -> Self {
+        Self {
+            difference: self.difference * share.difference,
+            masking: self.masking * share.masking,
+        }
+    }
+
+    /// Whether nothing of the octave is seen.
+    #[must_use]
+    pub fn is_blind(&self) -> bool {
+        self.difference == 0.0
+    }
+
     fn towards(self, other: &Self, share: f64) -> Self {
         let between = |a: f64, b: f64| a + (b - a) * share;
         Self {
             difference: between(self.difference, other.difference),
             masking: between(self.masking, other.masking),
-        }
-    }
-
-    fn of(sensitivity: f64) -> Self {
-        Self {
-            difference: libm::pow(sensitivity, DIFFERENCE_EXPONENT),
-            masking: libm::pow(sensitivity, MASKING_EXPONENTS[0]),
         }
     }
 
@@ -154,12 +182,12 @@ mod tests {
         let table = SensitivityTable::new(&Parameters::default(), EyeState::Steady);
         let table = SensedTable::new(&table);
         let ahead = Radians(0.0);
-        let sensed = table.at(2.0, ahead, 1.0);
+        let sensed = table.row(ahead).at(2.0);
         let seen = |lost, kept| sensed.difference(&LostOctave::new(lost, kept));
         assert!(seen(0.2, 0.0) > seen(0.1, 0.0));
         assert!(seen(0.1, 0.2) < seen(0.1, 0.0));
         assert_eq!(seen(0.0, 0.3), 0.0);
-        let unseen = table.at(2.0, ahead, 0.0);
+        let unseen = sensed.times(&Sensed::of(0.0));
         assert_eq!(unseen.difference(&LostOctave::new(1.0, 0.0)), 0.0);
     }
 }

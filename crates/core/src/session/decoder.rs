@@ -106,8 +106,8 @@ impl UnitBytes {
 
 /// Makes of pieces what is drawn. It is handed bytes, and reads no file.
 pub trait Decoder: Debug + Send {
-    /// Asks for a piece, after all that was asked for before.
-    fn request(&mut self, piece: Piece, bytes: UnitBytes);
+    /// Asks for pieces, after all that was asked for before.
+    fn request(&mut self, pieces: Vec<(Piece, UnitBytes)>);
 
     /// Pieces that are likely asked for next and may be decoded meanwhile, in the place of those
     /// that were expected before.
@@ -118,6 +118,12 @@ pub trait Decoder: Debug + Send {
     /// The next piece that is done, in any order; waits for it at most this long, or without
     /// limit. `None` where nothing is under way, or nothing was done in time.
     fn receive(&mut self, patience: Option<Duration>) -> Option<Decoded>;
+
+    /// Waits until all that was asked for is done, at most this long, or without limit; what is
+    /// done is then received without waiting.
+    fn wait_for_all(&mut self, patience: Option<Duration>) {
+        let _ = patience;
+    }
 
     /// Takes back what was not begun.
     fn cancel(&mut self);
@@ -151,8 +157,8 @@ pub struct Parser {
 }
 
 impl Decoder for Parser {
-    fn request(&mut self, piece: Piece, bytes: UnitBytes) {
-        self.asked.push_back((piece, bytes));
+    fn request(&mut self, pieces: Vec<(Piece, UnitBytes)>) {
+        self.asked.extend(pieces);
     }
 
     fn receive(&mut self, _patience: Option<Duration>) -> Option<Decoded> {

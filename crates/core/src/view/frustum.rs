@@ -99,8 +99,17 @@ impl Frustum {
     /// The margin counts along the circles round the axes to the right and down. Where the view is
     /// wide, they become small or lie behind the eye: there what is no farther than the margin from
     /// the planes of all borders is reached as well.
+    ///
+    /// Takes unit vectors.
     pub(crate) fn reaches(&self, direction: DVec3) -> bool {
         let depth = direction.dot(self.axes.forward);
+        if !self.is_wide() {
+            let beyond = self.beyond_moved(direction);
+            // Angles are only needed at the border itself.
+            if beyond > ROUNDING || (beyond < -ROUNDING && depth > ROUNDING) {
+                return beyond < 0.0;
+            }
+        }
         let across = libm::atan2(direction.dot(self.axes.right), depth);
         let down = libm::atan2(direction.dot(self.axes.down), depth);
         let [left, right, up, low] = self.borders.map(|border| border + self.margin);
@@ -140,6 +149,37 @@ mod tests {
     use crate::view::eye_view::Field;
     use crate::view::random::Random;
     use crate::view::surface::Eye;
+
+    #[test]
+    fn planes_and_angles_agree_on_what_is_reached() {
+        let mut random = Random::new(4);
+        for (field, margin_deg) in [
+            ([1.2, 1.2, 1.2, 1.2], 0.0),
+            ([0.3, 0.9, 0.5, 0.2], 12.0),
+            ([-0.3, 0.5, -0.1, 0.2], 0.0),
+            ([0.1, 0.1, 0.1, 0.1], 70.0),
+        ] {
+            let view = EyeView {
+                position: Default::default(),
+                axes: Axes::from_yaw_pitch_roll(Radians(0.3), Radians(0.2), Radians(0.1)),
+                field: Field::of(field),
+                size: [1000, 800],
+                eye: Eye::Left,
+            };
+            let margin = Radians::from_degrees(margin_deg);
+            let sight = Frustum::new(&view, margin);
+            assert!(!sight.is_wide());
+            for _ in 0..4000 {
+                let direction = random.direction();
+                let depth = direction.dot(view.axes.forward);
+                let across = libm::atan2(direction.dot(view.axes.right), depth);
+                let down = libm::atan2(direction.dot(view.axes.down), depth);
+                let [left, right, up, low] = field.map(|side| libm::atan(side) + margin.0);
+                let inside = (-left..=right).contains(&across) && (-up..=low).contains(&down);
+                assert_eq!(sight.reaches(direction), inside, "{field:?} {direction:?}");
+            }
+        }
+    }
 
     #[test]
     fn a_wide_view_reaches_everything_within_its_margin_and_nothing_far_beyond() {

@@ -5,10 +5,9 @@ use foveal_core::pack::{HEADER_BYTES, Header, Index, PackError, TableEntry, Unit
 use foveal_core::session::decoder::{ByteSource, SourceError};
 use foveal_core::units::counted;
 use std::fs::File;
-use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use std::io::{ErrorKind, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use thiserror::Error;
 
 /// What failed, why, and then what to do, which `what` gives after a semicolon.
@@ -95,8 +94,7 @@ fn is_scene(path: &Path) -> bool {
 #[derive(Debug)]
 pub(crate) struct OpenPack {
     path: PathBuf,
-    // One cursor is shared by all readers: a read is a seek and a copy, far cheaper than decoding.
-    file: Mutex<File>,
+    file: File,
     header: Header,
 }
 
@@ -112,7 +110,7 @@ impl OpenPack {
             path: path.to_owned(),
             source,
         };
-        let (mut file, found) = open_plain(path).map_err(|error| {
+        let (file, found) = open_plain(path).map_err(|error| {
             let what = match error.kind() {
                 ErrorKind::IsADirectory => "is a folder",
                 ErrorKind::Other => "is not a plain file",
@@ -122,7 +120,7 @@ impl OpenPack {
             PackFileError::NoFile { path, what }
         })?;
         let mut head = Vec::new();
-        let mut first = (&mut file).take(HEADER_BYTES as u64);
+        let mut first = (&file).take(HEADER_BYTES as u64);
         first
             .read_to_end(&mut head)
             .map_err(|e| io("header cannot be read", e))?;
@@ -135,11 +133,11 @@ impl OpenPack {
             }));
         }
         let description = u64::from(header.description_bytes);
-        let description = read_at(&mut file, HEADER_BYTES as u64, description)
+        let description = read_at(&file, HEADER_BYTES as u64, description)
             .map_err(|e| io("description cannot be read", e))?;
         let open = Self {
             path: path.to_owned(),
-            file: Mutex::new(file),
+            file,
             header,
         };
         Ok((open, description))
@@ -194,12 +192,7 @@ impl OpenPack {
         bytes: u64,
         what: &dyn Fn() -> String,
     ) -> Result<Vec<u8>, PackFileError> {
-        // A panic while the lock was held cannot have left the file in a bad state.
-        let mut file = self
-            .file
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        read_at(&mut file, offset, bytes).map_err(|source| PackFileError::Io {
+        read_at(&self.file, offset, bytes).map_err(|source| PackFileError::Io {
             path: self.path.clone(),
             what: format!("{} cannot be read", what()),
             source,
@@ -214,14 +207,36 @@ impl OpenPack {
     }
 }
 
-fn read_at(file: &mut File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>> {
-    file.seek(SeekFrom::Start(offset))?;
-    let mut buffer = Vec::new();
-    file.take(bytes).read_to_end(&mut buffer)?;
+/// Bytes that memory is had for before they are read: of a chunk more than most.
+const MOST_RESERVED: u64 = 1 << 20;
+
+/// A part of a file, which threads read at once, each at a place of its own.
+fn read_at(file: &File, offset: u64, bytes: u64) -> std::io::Result<Vec<u8>> {
+    // What is not there takes little memory, however long it says that it is.
+    let mut buffer = Vec::with_capacity(bytes.min(MOST_RESERVED) as usize);
+    let mut part = PartOfFile { file, at: offset };
+    (&mut part).take(bytes).read_to_end(&mut buffer)?;
     if buffer.len() as u64 == bytes {
         Ok(buffer)
     } else {
         Err(ErrorKind::UnexpectedEof.into())
+    }
+}
+
+/// Reads on from a place without moving the file's own cursor.
+struct PartOfFile<'a> {
+    file: &'a File,
+    at: u64,
+}
+
+impl Read for PartOfFile<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        #[cfg(unix)]
+        let read = std::os::unix::fs::FileExt::read_at(self.file, buffer, self.at)?;
+        #[cfg(windows)]
+        let read = std::os::windows::fs::FileExt::seek_read(self.file, buffer, self.at)?;
+        self.at += read as u64;
+        Ok(read)
     }
 }
 

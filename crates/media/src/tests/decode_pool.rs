@@ -9,7 +9,7 @@ use foveal_core::session::decoder::{DecodeError, Decoded, Decoder, PackBytes};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::picture::Picture;
 use foveal_core::view::surface::Screen;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::OpenOptions;
 use std::io::{Seek, SeekFrom, Write};
 use std::sync::Arc;
@@ -81,7 +81,7 @@ fn piece(file: &PackFile, tile: Tile, frame: u32) -> Piece {
 
 fn ask(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) {
     let piece = piece(file, tile, frame);
-    pool.request(piece, bytes(file).of(piece.unit.unit));
+    pool.request(vec![(piece, bytes(file).of(piece.unit.unit))]);
 }
 
 fn one(pool: &mut DecodePool, file: &PackFile, tile: Tile, frame: u32) -> Decoded {
@@ -249,6 +249,15 @@ fn what_is_not_there_by_the_deadline_comes_later() {
     assert!(pool.receive(None).is_none());
 }
 
+/// Writes over some bytes of a tile's first group.
+fn damage(path: &Scratch, file: &PackFile, tile: Tile) {
+    let entry = file.pack().entry(file.pack().unit(tile, 0));
+    let mut writer = OpenOptions::new().write(true).open(&**path).unwrap();
+    let middle = entry.offset + u64::from(entry.bytes) / 2;
+    writer.seek(SeekFrom::Start(middle)).unwrap();
+    writer.write_all(&[0x55; 3]).unwrap();
+}
+
 #[test]
 fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
     for codec in [Codec::Vp9, Codec::Jpeg, Codec::Png] {
@@ -256,11 +265,7 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
         let whole = open(&path);
         let tiles = all_tiles(&whole);
         let bad = tiles[2];
-        let entry = whole.pack().entry(whole.pack().unit(bad, 0));
-        let mut writer = OpenOptions::new().write(true).open(&*path).unwrap();
-        let middle = entry.offset + u64::from(entry.bytes) / 2;
-        writer.seek(SeekFrom::Start(middle)).unwrap();
-        writer.write_all(&[0x55; 3]).unwrap();
+        damage(&path, &whole, bad);
         let file = open(&path);
         let mut pool = DecodePool::new(&file, 2).unwrap();
         for frame in [0, 3, 9] {
@@ -287,13 +292,109 @@ fn a_damaged_chunk_is_an_error_for_its_tile_alone() {
     }
 }
 
+/// What was asked for and what may still come, as an observer of a pool knows it.
+#[derive(Default)]
+struct Ledger {
+    owed: HashSet<Piece>,
+    /// Cancelled: comes if a worker had begun with it.
+    cancelled: HashSet<Piece>,
+}
+
+impl Ledger {
+    fn came(&mut self, done: &Decoded) {
+        let was_asked = self.owed.remove(&done.piece) || self.cancelled.remove(&done.piece);
+        assert!(was_asked, "{:?} came twice or unasked", done.piece);
+    }
+}
+
+#[test]
+fn sixteen_workers_answer_every_order_once_and_as_one_does() {
+    let path = flat_pack(Codec::Vp9);
+    let whole = open(&path);
+    let (expected, tiles) = (decoded_in_order(&whole), all_tiles(&whole));
+    let coarsest = whole.pack().grid().coarsest();
+    let bad = [tiles[1], tiles[4]];
+    bad.iter().for_each(|tile| damage(&path, &whole, *tile));
+    let file = open(&path);
+    let with_bytes = |tile: Tile, frame: u32| {
+        let piece = piece(&file, tile, frame);
+        (piece, bytes(&file).of(piece.unit.unit))
+    };
+    let check = |ledger: &mut Ledger, done: Decoded| {
+        ledger.came(&done);
+        let frame = done.piece.frame;
+        let tile = file.pack().tile_of(done.piece.unit.unit);
+        match done.payload {
+            Ok(Payload::Picture(picture)) => assert!(picture == expected[&(tile, frame)]),
+            Err(DecodeError::Damaged(_)) => assert!(bad.contains(&tile) && frame < 8, "{tile:?}"),
+            other => panic!("{tile:?} of frame {frame}: {other:?}"),
+        }
+    };
+    let mut pool = DecodePool::new(&file, 16).unwrap();
+    let (mut ledger, mut state, mut frame) = (Ledger::default(), 7, 0);
+    for _ in 0..300 {
+        // Frames mostly follow each other.
+        frame = match random(&mut state, 8) {
+            0 => random(&mut state, FRAMES as usize) as u32,
+            _ => (frame + 1) % FRAMES,
+        };
+        let some = (0..1 + random(&mut state, 12)).map(|_| tiles[random(&mut state, tiles.len())]);
+        let asked: Vec<_> = some.map(|tile| with_bytes(tile, frame)).collect();
+        for (piece, _) in &asked {
+            ledger.cancelled.remove(piece);
+            ledger.owed.insert(*piece);
+        }
+        pool.request(asked);
+        let base = tiles.iter().filter(|tile| tile.level == coarsest);
+        let next = base.map(|tile| with_bytes(*tile, (frame + 1) % FRAMES));
+        pool.expect(next.collect());
+        match random(&mut state, 4) {
+            0 => pool.wait_for_all(Some(Duration::ZERO)),
+            1 => pool.wait_for_all(None),
+            2 => {
+                pool.cancel();
+                let owed = ledger.owed.drain();
+                ledger.cancelled.extend(owed);
+            }
+            _ => {}
+        }
+        for _ in 0..random(&mut state, 12) {
+            let patience = (random(&mut state, 2) == 0).then_some(Duration::ZERO);
+            if let Some(done) = pool.receive(patience) {
+                check(&mut ledger, done);
+            }
+        }
+    }
+    while let Some(done) = pool.receive(None) {
+        check(&mut ledger, done);
+    }
+    assert!(ledger.owed.is_empty(), "{:?} never came", ledger.owed);
+}
+
+#[test]
+fn when_all_are_waited_for_all_are_there() {
+    let path = flat_pack(Codec::Vp9);
+    let file = open(&path);
+    let tiles = all_tiles(&file);
+    let mut pool = DecodePool::new(&file, 3).unwrap();
+    pool.wait_for_all(None);
+    for frame in [4, 5, 20] {
+        tiles
+            .iter()
+            .for_each(|tile| ask(&mut pool, &file, *tile, frame));
+        pool.wait_for_all(None);
+        let came = std::iter::from_fn(|| pool.receive(Some(Duration::ZERO)));
+        assert_eq!(came.count(), tiles.len());
+    }
+}
+
 #[test]
 fn a_pool_dropped_with_work_queued_ends() {
     let path = flat_pack(Codec::Vp9);
     let file = open(&path);
     let (ended, wait) = channel();
     std::thread::spawn(move || {
-        for workers in [1, 4] {
+        for workers in [1, 4, 16] {
             let mut pool = DecodePool::new(&file, workers).unwrap();
             for tile in all_tiles(&file) {
                 (0..FRAMES).for_each(|frame| ask(&mut pool, &file, tile, frame));

@@ -2,15 +2,19 @@
 //!
 //! Every tile that is followed keeps a decoder of its own. Asked for a frame in the middle of a
 //! group, the decoder starts at the group's key frame and catches up without showing; a
-//! coarser level stays on screen meanwhile. The coarsest level, which every frame
-//! needs wherever the gaze is, has a worker of its own that runs ahead. The frame number of a
-//! picture is what came out of the decoder, so that tiles of different frames are never mixed
-//! unnoticed.
+//! coarser level stays on screen meanwhile. All workers take tiles of all levels; those of the
+//! coarsest, which every frame needs wherever the gaze is, are decoded ahead when nothing else is
+//! waiting. A worker takes several tiles at a time and hands them over together, and who waits for
+//! a frame is woken once. The frame number of a picture is what came out of the decoder, so that
+//! tiles of different frames are never mixed unnoticed.
+//!
+//! What the workers share is behind one lock, which no thread holds while it reads, decodes, opens
+//! or closes anything.
 
 use crate::error::MediaError;
 use crate::pack::pack_file::PackFile;
-use crate::tiles::decode::GroupDecoder;
-use crate::tiles::decode_streams::{Stream, Streams};
+use crate::tiles::decode_queue::{DecodeQueue, Job, TileFrame};
+use crate::tiles::decode_streams::{Held, Stream, Streams};
 use crate::tiles::decoders::{DecoderChoice, Decoders};
 use foveal_core::content::payload::Payload;
 use foveal_core::content::unit::{AssetId, UnitRef};
@@ -22,12 +26,11 @@ use foveal_core::pack::unit::UnitId;
 use foveal_core::session::decoder::{DecodeError, Decoded, Decoder, SourceError, UnitBytes};
 use foveal_core::session::unit_states::Piece;
 use foveal_core::view::picture::Picture;
-use std::collections::{HashMap, VecDeque};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// Why a tile has no picture.
@@ -71,9 +74,6 @@ struct WrongFrame {
     number: i64,
 }
 
-/// A frame of a tile.
-type Place = (Tile, u32);
-
 /// A tile of one frame, decoded.
 #[derive(Debug)]
 struct DecodedTile {
@@ -94,11 +94,7 @@ struct DecodedTile {
 #[derive(Debug)]
 pub struct DecodePool {
     shared: Arc<Shared>,
-    results: Receiver<DecodedTile>,
-    /// Tiles that had been decoded when they were asked for.
-    at_hand: VecDeque<DecodedTile>,
     workers: Vec<JoinHandle<()>>,
-    waiting: usize,
     /// The pack, for people.
     path: PathBuf,
 }
@@ -107,39 +103,46 @@ pub struct DecodePool {
 struct Shared {
     pack: Arc<VideoPack>,
     decoders: Decoders,
+    workers: u32,
     state: Mutex<State>,
+    /// There is something to decode.
     wake: Condvar,
-    wake_coarsest: Condvar,
+    /// As many tiles are decoded as the player waits for.
+    arrived: Condvar,
 }
 
 #[derive(Debug, Default)]
 struct State {
-    queue: VecDeque<(Place, UnitBytes)>,
-    coarsest: Coarsest,
+    queue: DecodeQueue<UnitBytes>,
     streams: Streams,
+    /// What was asked for and neither handed out nor taken back.
+    owed: HashSet<TileFrame>,
+    /// Of that, what is decoded.
+    done: VecDeque<DecodedTile>,
+    /// What was decoded before anybody asked.
+    ready: HashMap<TileFrame, DecodedTile>,
+    /// Workers that sleep and were not woken.
+    asleep: usize,
+    /// Tiles that the player waits for; `None` while it does not.
+    awaited: Option<usize>,
     stop: bool,
 }
 
-/// What the worker of the coarsest level has to do.
-#[derive(Debug, Default)]
-struct Coarsest {
-    queue: VecDeque<(Place, UnitBytes)>,
-    /// To be decoded before anybody asks.
-    ahead: VecDeque<(Place, UnitBytes)>,
-    /// Decoded already.
-    ready: HashMap<Place, DecodedTile>,
+/// A tile that a worker has, and a decoder for it.
+struct Task {
+    job: Job<UnitBytes>,
+    held: Held,
 }
 
-impl Coarsest {
-    /// The next tile to decode, and whether it is waited for.
-    fn next(&mut self) -> Option<(Place, UnitBytes, bool)> {
-        let asked = self.queue.pop_front().map(|(at, bytes)| (at, bytes, true));
-        asked.or_else(|| self.ahead.pop_front().map(|(at, bytes)| (at, bytes, false)))
-    }
+/// What a worker made of it: the decoder, if it can go on, and the picture.
+struct Finished {
+    place: TileFrame,
+    stream: Option<Stream>,
+    tile: DecodedTile,
 }
 
 impl DecodePool {
-    /// A pool of `workers` threads (at least one) for a pack, and one more for its coarsest level.
+    /// A pool of `workers` threads (at least one) for a pack.
     ///
     /// # Errors
     /// The system gives no thread.
@@ -174,122 +177,95 @@ impl DecodePool {
     }
 
     fn with(file: &PackFile, workers: usize, decoders: Decoders) -> Result<Self, MediaError> {
+        let workers = workers.max(1);
         let shared = Arc::new(Shared {
             pack: Arc::clone(file.pack()),
             decoders,
+            workers: u32::try_from(workers).unwrap_or(u32::MAX),
             state: Mutex::default(),
             wake: Condvar::new(),
-            wake_coarsest: Condvar::new(),
+            arrived: Condvar::new(),
         });
-        let (send, results) = channel();
-        let start = |work: fn(&Shared, &Sender<DecodedTile>)| {
-            let (shared, send) = (Arc::clone(&shared), send.clone());
+        let start = || {
+            let shared = Arc::clone(&shared);
             let thread = std::thread::Builder::new().name("decode".to_owned());
-            thread.spawn(move || work(&shared, &send))
+            thread.spawn(move || shared.work())
         };
-        let mut pool = Self {
-            shared: Arc::clone(&shared),
-            results,
-            at_hand: VecDeque::new(),
-            workers: Vec::new(),
-            waiting: 0,
-            path: file.path().to_owned(),
-        };
-        // Those that began end with the pool.
-        let none = |source| MediaError::Thread {
+        let first = start().map_err(|source| MediaError::Thread {
             what: "decoding",
             source,
-        };
-        pool.workers
-            .push(start(Shared::work_on_coarsest).map_err(none)?);
-        pool.workers.push(start(Shared::work).map_err(none)?);
+        })?;
         // Fewer than were asked for take longer.
-        let more = (1..workers).map_while(|_| start(Shared::work).ok());
-        pool.workers.extend(more);
-        Ok(pool)
-    }
-
-    /// The next finished tile, within this time.
-    fn next(&mut self, patience: Option<Duration>) -> Option<DecodedTile> {
-        if let Some(done) = self.at_hand.pop_front() {
-            return Some(done);
-        }
-        if self.waiting == 0 {
-            return None;
-        }
-        let done = match patience {
-            None => self
-                .results
-                .recv()
-                .map_err(|_| RecvTimeoutError::Disconnected),
-            Some(patience) => self.results.recv_timeout(patience),
-        };
-        let done = done.ok()?;
-        self.waiting -= 1;
-        Some(done)
+        let more = (1..workers).map_while(|_| start().ok());
+        Ok(Self {
+            workers: std::iter::once(first).chain(more).collect(),
+            path: file.path().to_owned(),
+            shared,
+        })
     }
 }
 
 impl Decoder for DecodePool {
-    fn request(&mut self, piece: Piece, bytes: UnitBytes) {
-        let (pack, frame) = (&self.shared.pack, piece.frame);
-        let tile = pack.tile_of(piece.unit.unit);
-        let is_coarsest = tile.level == pack.grid().coarsest();
+    fn request(&mut self, pieces: Vec<(Piece, UnitBytes)>) {
+        let pack = &self.shared.pack;
+        let coarsest = pack.grid().coarsest();
         let mut state = self.shared.lock();
-        state.streams.asked(frame);
-        let wake = if is_coarsest {
-            &self.shared.wake_coarsest
-        } else {
-            &self.shared.wake
-        };
-        if let Some(done) = state.coarsest.ready.remove(&(tile, frame)) {
-            // Already decoded: no wake-up.
-            self.at_hand.push_back(done);
-            return;
+        for (piece, bytes) in pieces {
+            let place = (pack.tile_of(piece.unit.unit), piece.frame);
+            state.streams.asked(piece.frame);
+            if !state.owed.insert(place) || state.queue.is_taken(place) {
+                continue;
+            }
+            if let Some(done) = state.ready.remove(&place) {
+                state.done.push_back(done);
+                continue;
+            }
+            let chain = self.shared.chain(&state.streams, place);
+            let job = Job {
+                place,
+                chain,
+                bytes,
+            };
+            state.queue.ask(job, place.0.level == coarsest);
         }
-        let queue = if is_coarsest {
-            &mut state.coarsest.queue
-        } else {
-            &mut state.queue
-        };
-        if queue.iter().any(|(place, _)| *place == (tile, frame)) {
-            return;
-        }
-        queue.push_back(((tile, frame), bytes));
-        self.waiting += 1;
-        drop(state);
-        wake.notify_one();
+        let asked = state.queue.asked();
+        self.shared.wake_workers(state, asked);
     }
 
     /// Of the coarsest level only.
     fn expect(&mut self, pieces: Vec<(Piece, UnitBytes)>) {
         let pack = &self.shared.pack;
-        let placed = pieces.into_iter().map(|(piece, bytes)| {
-            let tile = pack.tile_of(piece.unit.unit);
-            ((tile, piece.frame), bytes)
+        let jobs = pieces.into_iter().map(|(piece, bytes)| Job {
+            place: (pack.tile_of(piece.unit.unit), piece.frame),
+            chain: 1,
+            bytes,
         });
-        let of_coarsest = placed.filter(|((tile, _), _)| tile.level == pack.grid().coarsest());
-        let mut ahead: VecDeque<(Place, UnitBytes)> = of_coarsest.collect();
+        let of_coarsest = jobs.filter(|job| job.place.0.level == pack.grid().coarsest());
+        let jobs: Vec<Job<UnitBytes>> = of_coarsest.collect();
+        let expected: HashSet<TileFrame> = jobs.iter().map(|job| job.place).collect();
         let mut state = self.shared.lock();
-        let coarsest = &mut state.coarsest;
-        let is_of_use = |place: &Place| {
-            let mut asked = coarsest.queue.iter().chain(&ahead);
-            asked.any(|(asked, _)| asked == place)
-        };
-        coarsest.ready.retain(|place, _| is_of_use(place));
-        ahead.retain(|(place, _)| !coarsest.ready.contains_key(place));
-        coarsest.ahead = ahead;
-        drop(state);
-        self.shared.wake_coarsest.notify_one();
+        let State {
+            queue, owed, ready, ..
+        } = &mut *state;
+        ready.retain(|place, _| expected.contains(place));
+        let is_new = |job: &Job<_>| !owed.contains(&job.place) && !ready.contains_key(&job.place);
+        queue.expect(jobs.into_iter().filter(is_new));
+        // Those that are awake join it; to wake more would cost more than it saves.
+        self.shared.wake_workers(state, 1);
+    }
+
+    fn wait_for_all(&mut self, patience: Option<Duration>) {
+        drop(self.shared.wait_for(usize::MAX, patience));
     }
 
     fn receive(&mut self, patience: Option<Duration>) -> Option<Decoded> {
+        let done = self.shared.next(patience)?;
         let DecodedTile {
             unit,
             frame,
             picture,
             decoded,
-        } = self.next(patience)?;
+        } = done;
         let tile = self.shared.pack.tile_of(unit);
         let payload = match picture {
             Ok((picture, number)) if number == i64::from(frame) => Ok(Payload::Picture(picture)),
@@ -318,20 +294,17 @@ impl Decoder for DecodePool {
     }
 
     fn cancel(&mut self) {
-        let mut state = self.shared.lock();
-        self.waiting -= state.queue.len() + state.coarsest.queue.len();
-        state.queue.clear();
-        state.coarsest.queue.clear();
-        self.at_hand.clear();
+        let State { queue, owed, .. } = &mut *self.shared.lock();
+        queue.cancel().for_each(|place| {
+            owed.remove(&place);
+        });
     }
 }
 
 impl Drop for DecodePool {
     fn drop(&mut self) {
-        self.cancel();
         self.shared.lock().stop = true;
         self.shared.wake.notify_all();
-        self.shared.wake_coarsest.notify_all();
         for worker in self.workers.drain(..) {
             // A worker that panicked has already said so.
             let _ = worker.join();
@@ -344,84 +317,161 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn work(&self, results: &Sender<DecodedTile>) {
-        while let Some((place, bytes)) = self.wait(&self.wake, |state| state.queue.pop_front()) {
-            if results.send(self.decode(place, &bytes)).is_err() {
-                return;
-            }
+    fn work(&self) {
+        let mut finished = Vec::new();
+        while let Some(tasks) = self.exchange(finished) {
+            finished = tasks.into_iter().map(|task| self.decode(task)).collect();
         }
     }
 
-    fn work_on_coarsest(&self, results: &Sender<DecodedTile>) {
-        let next = |state: &mut State| state.coarsest.next();
-        while let Some((place, bytes, asked)) = self.wait(&self.wake_coarsest, next) {
-            let ready = self.lock().coarsest.ready.remove(&place);
-            let done = ready.unwrap_or_else(|| self.decode(place, &bytes));
-            if !asked {
-                // It may have been asked for meanwhile: then it is at hand for that.
-                self.lock().coarsest.ready.insert(place, done);
-            } else if results.send(done).is_err() {
-                return;
-            }
-        }
-    }
-
-    /// The next job, once there is one; `None` to stop.
-    fn wait<T>(&self, wake: &Condvar, next: impl Fn(&mut State) -> Option<T>) -> Option<T> {
+    /// Hands over what a worker did, and gives it the next, once there is something; `None` to
+    /// stop.
+    fn exchange(&self, finished: Vec<Finished>) -> Option<Vec<Task>> {
         let mut state = self.lock();
+        let closed: Vec<Stream> = {
+            let finished = finished.into_iter();
+            finished.flat_map(|it| state.hand_over(it)).collect()
+        };
+        if state.awaited.is_some_and(|it| state.done.len() >= it) {
+            state.awaited = None;
+            self.arrived.notify_one();
+        }
+        if !closed.is_empty() {
+            drop(state);
+            drop(closed);
+            state = self.lock();
+        }
         loop {
             if state.stop {
                 return None;
             }
-            if let Some(job) = next(&mut state) {
-                return Some(job);
+            let jobs = state.queue.take(self.workers);
+            if !jobs.is_empty() {
+                let size = |tile| self.pack.grid().tile_size(tile);
+                let task = |job: Job<UnitBytes>| Task {
+                    held: state.streams.take(job.place.0, size(job.place.0)),
+                    job,
+                };
+                return Some(jobs.into_iter().map(task).collect());
             }
-            state = wake.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state.asleep += 1;
+            let woken = self.wake.wait(state);
+            state = woken.unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    fn decode(&self, (tile, frame): Place, bytes: &UnitBytes) -> DecodedTile {
-        let mut decoded = 0;
+    /// Wakes so many workers, if as many sleep.
+    fn wake_workers(&self, mut state: MutexGuard<'_, State>, most: usize) {
+        let few = most.min(state.asleep);
+        state.asleep -= few;
+        drop(state);
+        (0..few).for_each(|_| self.wake.notify_one());
+    }
+
+    /// Waits until `count` tiles are done, or all that were asked for, at most this long.
+    fn wait_for(&self, count: usize, patience: Option<Duration>) -> MutexGuard<'_, State> {
+        let until = patience.and_then(|patience| Instant::now().checked_add(patience));
+        let mut state = self.lock();
+        loop {
+            let awaited = count.min(state.owed.len());
+            if state.done.len() >= awaited {
+                return state;
+            }
+            let left = until.map(|until| until.saturating_duration_since(Instant::now()));
+            if left == Some(Duration::ZERO) {
+                return state;
+            }
+            state.awaited = Some(awaited);
+            state = match left {
+                None => {
+                    let woken = self.arrived.wait(state);
+                    woken.unwrap_or_else(PoisonError::into_inner)
+                }
+                Some(left) => {
+                    let woken = self.arrived.wait_timeout(state, left);
+                    woken.unwrap_or_else(PoisonError::into_inner).0
+                }
+            };
+            state.awaited = None;
+        }
+    }
+
+    /// The next tile that is done, within this time.
+    fn next(&self, patience: Option<Duration>) -> Option<DecodedTile> {
+        let mut state = self.wait_for(1, patience);
+        let done = state.done.pop_front()?;
+        let tile = self.pack.tile_of(done.unit);
+        state.owed.remove(&(tile, done.frame));
+        Some(done)
+    }
+
+    /// Pictures that a decoder makes for a frame of a tile, those to catch up included.
+    fn chain(&self, streams: &Streams, (tile, frame): TileFrame) -> u32 {
+        if self.pack.description().codec.is_intra() {
+            return 1;
+        }
+        let unit = self.pack.unit(tile, frame);
+        let next = streams.next_of(tile, unit).filter(|next| *next <= frame);
+        let next = next.unwrap_or_else(|| self.pack.frames_of(unit).start);
+        frame - next + 1
+    }
+
+    fn decode(&self, Task { job, held }: Task) -> Finished {
+        let (place, mut decoded) = (job.place, 0);
         // A lost answer would leave its receiver waiting for ever.
         let answer = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            self.follow((tile, frame), bytes, &mut decoded)
+            self.follow(place, &job.bytes, held, &mut decoded)
         }));
-        let picture = answer.unwrap_or(Err(TileError::Panicked));
-        DecodedTile {
-            unit: self.pack.unit(tile, frame),
-            frame,
-            picture,
-            decoded,
+        let (stream, picture) = match answer {
+            Ok(Ok((stream, picture))) => (Some(stream), Ok(picture)),
+            Ok(Err(error)) => (None, Err(error)),
+            Err(_) => (None, Err(TileError::Panicked)),
+        };
+        let (tile, frame) = place;
+        Finished {
+            place,
+            stream,
+            tile: DecodedTile {
+                unit: self.pack.unit(tile, frame),
+                frame,
+                picture,
+                decoded,
+            },
         }
     }
 
-    /// Decodes up to the frame and puts the decoder back for those that follow.
+    /// Decodes up to the frame; with the decoder for those that follow.
     fn follow(
         &self,
-        (tile, frame): Place,
+        place: TileFrame,
         bytes: &UnitBytes,
+        held: Held,
         decoded: &mut u32,
-    ) -> Result<(Picture, i64), TileError> {
-        let stream = self.lock().streams.take(tile);
-        let mut stream = self.stream_at((tile, frame), bytes, stream)?;
-        let picture = self.catch_up(&mut stream, frame, decoded)?;
-        self.lock().streams.put(tile, stream);
-        Ok(picture)
+    ) -> Result<(Stream, (Picture, i64)), TileError> {
+        let mut stream = self.stream_at(place, bytes, held)?;
+        let picture = self.catch_up(&mut stream, place.1, decoded)?;
+        Ok((stream, picture))
     }
 
     /// A decoder in the right group that has not passed the frame.
     fn stream_at(
         &self,
-        (tile, frame): Place,
+        (tile, frame): TileFrame,
         bytes: &UnitBytes,
-        stream: Option<Stream>,
+        held: Held,
     ) -> Result<Stream, TileError> {
         let unit = self.pack.unit(tile, frame);
-        let (mut decoder, chunk) = match stream {
-            Some(stream) if stream.unit == unit && stream.next <= frame => return Ok(stream),
-            Some(stream) if stream.unit == unit => (stream.decoder, Some(stream.chunk)),
-            Some(stream) => (stream.decoder, None),
-            None => (self.decoder_of(self.pack.grid().tile_size(tile))?, None),
+        let (mut decoder, chunk) = match held {
+            Held::Stream(stream) if stream.unit == unit && stream.next <= frame => {
+                return Ok(stream);
+            }
+            Held::Stream(stream) if stream.unit == unit => (stream.decoder, Some(stream.chunk)),
+            Held::Stream(stream) => (stream.decoder, None),
+            Held::Spare(decoder) => (decoder, None),
+            Held::Nothing => {
+                let size = self.pack.grid().tile_size(tile);
+                (self.decoders.open(size)?, None)
+            }
         };
         decoder.restart();
         Ok(Stream {
@@ -433,14 +483,6 @@ impl Shared {
             unit,
             next: self.pack.frames_of(unit).start,
         })
-    }
-
-    fn decoder_of(&self, size: [u32; 2]) -> Result<GroupDecoder, TileError> {
-        let spare = self.lock().streams.spare(size);
-        match spare {
-            Some(decoder) => Ok(decoder),
-            None => Ok(self.decoders.open(size)?),
-        }
     }
 
     fn catch_up(
@@ -464,5 +506,23 @@ impl Shared {
             }
             stream.decoder.skip(unit, i64::from(number))?;
         }
+    }
+}
+
+impl State {
+    /// Takes what a worker did; what is returned is to be closed.
+    fn hand_over(&mut self, finished: Finished) -> Vec<Stream> {
+        let Finished {
+            place,
+            stream,
+            tile,
+        } = finished;
+        self.queue.give_back(place.0);
+        if self.owed.contains(&place) {
+            self.done.push_back(tile);
+        } else {
+            self.ready.insert(place, tile);
+        }
+        stream.map_or_else(Vec::new, |stream| self.streams.put(place.0, stream))
     }
 }

@@ -33,6 +33,16 @@ impl std::fmt::Debug for Stream {
     }
 }
 
+/// A decoder for a tile.
+pub(crate) enum Held {
+    /// The one that follows it.
+    Stream(Stream),
+    /// One of its size that followed another tile, and must be restarted.
+    Spare(GroupDecoder),
+    /// None: it is to be opened.
+    Nothing,
+}
+
 /// The decoders that are not in use at the moment.
 #[derive(Debug, Default)]
 pub(crate) struct Streams {
@@ -55,34 +65,45 @@ impl Streams {
         self.tiles += 1;
     }
 
-    /// The decoder that follows a tile, if there is one.
-    pub(crate) fn take(&mut self, tile: Tile) -> Option<Stream> {
-        self.resting.remove(&tile).map(|(_, stream)| stream)
+    /// The frame that comes out next of the decoder that follows a tile, if it is in this unit.
+    pub(crate) fn next_of(&self, tile: Tile, unit: UnitId) -> Option<u32> {
+        let (_, stream) = self.resting.get(&tile)?;
+        (stream.unit == unit).then_some(stream.next)
     }
 
-    /// The decoder for pictures of `size` that has rested longest, if there are more than stay
-    /// open; it must be restarted.
-    pub(crate) fn spare(&mut self, size: [u32; 2]) -> Option<GroupDecoder> {
+    /// A decoder for a tile, whose pictures have this size: the one that follows it, else the one
+    /// that has rested longest, if there are more than stay open.
+    pub(crate) fn take(&mut self, tile: Tile, size: [u32; 2]) -> Held {
+        match self.resting.remove(&tile) {
+            Some((_, stream)) => Held::Stream(stream),
+            None => self.spare(size).map_or(Held::Nothing, Held::Spare),
+        }
+    }
+
+    fn spare(&mut self, size: [u32; 2]) -> Option<GroupDecoder> {
         if self.resting.len() < self.most() {
             return None;
         }
         let of_size = |(_, (_, stream)): &(&Tile, &(u64, Stream))| stream.decoder.size() == size;
         let longest = self.resting.iter().filter(of_size);
         let tile = *longest.min_by_key(|(_, (used, _))| *used)?.0;
-        self.take(tile).map(|stream| stream.decoder)
+        self.resting.remove(&tile).map(|(_, it)| it.decoder)
     }
 
-    /// Puts a decoder back; beyond what stays open the one that rested longest is closed.
-    pub(crate) fn put(&mut self, tile: Tile, stream: Stream) {
+    /// Puts a decoder back; those that rested longest, beyond what stays open, are to be closed.
+    pub(crate) fn put(&mut self, tile: Tile, stream: Stream) -> Vec<Stream> {
         self.uses += 1;
         self.resting.insert(tile, (self.uses, stream));
+        let mut closed = Vec::new();
         while self.resting.len() > self.most() {
             let longest = self.resting.iter().min_by_key(|(_, (used, _))| *used);
-            let Some(tile) = longest.map(|(tile, _)| *tile) else {
-                return;
+            let tile = longest.map(|(tile, _)| *tile);
+            let Some((_, stream)) = tile.and_then(|tile| self.resting.remove(&tile)) else {
+                break;
             };
-            self.resting.remove(&tile);
+            closed.push(stream);
         }
+        closed
     }
 
     fn most(&self) -> usize {

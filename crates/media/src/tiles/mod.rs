@@ -2,6 +2,7 @@
 
 pub mod decode;
 pub mod decode_pool;
+pub(crate) mod decode_queue;
 pub(crate) mod decode_streams;
 pub mod decoders;
 pub mod encode;

@@ -4,7 +4,7 @@ use crate::options::policy_choice::policy_parser;
 use crate::options::preset::SystemPreset;
 use crate::report::output::{self, Counting, out_of_range};
 use crate::run::kept_pack::plan_of;
-use crate::run::timed::{Conditions, Run, Way};
+use crate::run::timed::{Conditions, FrameTimes, Run, Way};
 use anyhow::{Context, bail};
 use clap::Args;
 use foveal_core::content::policy::Policy;
@@ -230,13 +230,13 @@ fn bytes_per_level(file: &PackFile) -> Vec<u64> {
 
 /// Frames a second that half of the frames of a run reach.
 fn median_fps(run: &Run) -> f64 {
-    fps_at(50, run.frames.iter().map(|(seconds, _)| *seconds))
+    fps_at(50, run.frames.iter().map(FrameTimes::seconds))
 }
 
 /// Frames a second that all but one in twenty of those reach on which the gaze jumped.
 fn saccade_fps(run: &Run) -> f64 {
-    let jumps = run.frames.iter().filter(|(_, jumped)| *jumped);
-    fps_at(5, jumps.map(|(seconds, _)| *seconds))
+    let jumps = run.frames.iter().filter(|frame| frame.jumped);
+    fps_at(5, jumps.map(FrameTimes::seconds))
 }
 
 /// Frames a second that all but `percent` of a hundred frames reach.

@@ -76,6 +76,7 @@ pub(crate) struct SceneSummary {
     gpu_bytes: u64,
     detail_share_mean: Option<f64>,
     damaged_units: u64,
+    units_without_room: usize,
     log_sha256: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     score: Option<ScoreReport>,
@@ -396,6 +397,7 @@ fn summarise(
         gpu_bytes: player.drawer().gpu_bytes(),
         detail_share_mean: Some(mean(&|frame| frame.detail_share)),
         damaged_units: player.damaged_units(),
+        units_without_room: player.drawer().units_without_room(),
         log_sha256: sha256_hex(player.log().as_bytes()),
         score: None,
         panels: None,
@@ -448,6 +450,7 @@ impl SceneSummary {
                 counted(self.damaged_units, "damaged unit")
             );
         }
+        text += &output::without_room(self.units_without_room);
         if let Some(score) = &self.score {
             text += &score.text();
             if self.policy != Policy::Acuity.name() {

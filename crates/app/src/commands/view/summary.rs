@@ -15,6 +15,7 @@ pub(crate) struct Summary {
     left_out_frames: u64,
     wrong_frame_tiles: u64,
     damaged_tiles: u64,
+    units_without_room: usize,
     damaged_frames: u64,
     lost_devices: u64,
     gpu_errors: u64,
@@ -45,6 +46,7 @@ impl Summary {
             left_out_frames: figures.left_out_frames,
             wrong_frame_tiles: figures.wrong_frame_units,
             damaged_tiles: figures.damaged_units,
+            units_without_room: player.live.drawer().units_without_room(),
             damaged_frames: figures.damaged_frames,
             lost_devices: figures.lost_devices,
             gpu_errors: figures.gpu_errors,
@@ -63,7 +65,8 @@ impl Summary {
     pub(crate) fn text(&self) -> String {
         if !self.has_tiles {
             return format!(
-                "{} on the GPU at the end, {}, {}",
+                "{}{} on the GPU at the end, {}, {}",
+                output::without_room(self.units_without_room),
                 output::size(self.gpu_bytes),
                 counted(self.damaged_tiles, "damaged unit"),
                 counted(self.lost_devices, "lost device"),

@@ -1,8 +1,10 @@
 //! Under which conditions is playing timed?
 
 mod eye;
+mod parts;
 mod run;
 
+pub(crate) use parts::{FrameTimes, Parts, decodes_per_frame};
 pub(crate) use run::Run;
 
 use crate::commands::score::{DeviceName, Engine, display_of_view, from_image};
@@ -30,6 +32,7 @@ const HEADSET_FIELD_DEG: f64 = 100.0;
 const DRAWN_WIDTH: u32 = 1920;
 
 /// What all runs of a comparison share.
+#[derive(Clone)]
 pub(crate) struct Conditions<'a> {
     pub(crate) file: Arc<PackFile>,
     pub(crate) drawing: &'a DrawDevice,

@@ -1,6 +1,7 @@
 //! How fast is a pack played under one policy, and is it in time?
 
 use crate::run::timed::eye::{DWELL, JumpingEye};
+use crate::run::timed::parts::FrameTimes;
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::units::{Radians, Seconds};
 use foveal_core::view::axes::direction_at;
@@ -8,7 +9,7 @@ use foveal_core::view::eye_view::EyeView;
 use foveal_media::tiles::decoders::DeviceUse;
 use foveal_play::{FramePlayer, FrameReport};
 use glam::DVec3;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Frames of a turn that are drawn: a software driver takes far longer for it than for all else.
 const DRAWN_OF_TURN: u32 = 3;
@@ -25,13 +26,11 @@ pub(crate) struct Run {
     drawn: EyeView,
     frames_of_pack: u32,
     next: u32,
-    /// Of every frame, the seconds of choosing and decoding, and whether the eye had just jumped.
-    pub(crate) frames: Vec<(f64, bool)>,
+    /// What every frame took.
+    pub(crate) frames: Vec<FrameTimes>,
     /// Of every turn, frames a second.
     pub(crate) decoding: Vec<f64>,
     pub(crate) end_to_end: Vec<f64>,
-    /// Of every frame, the milliseconds of choosing.
-    pub(crate) choosing_ms: Vec<f64>,
     pub(crate) shares: Vec<f64>,
     /// Frames whose time was over before they could be shown.
     pub(crate) late: u32,
@@ -58,7 +57,6 @@ impl Run {
             frames: Vec::new(),
             decoding: Vec::new(),
             end_to_end: Vec::new(),
-            choosing_ms: Vec::new(),
             shares: Vec::new(),
             late: 0,
             incomplete: 0,
@@ -75,32 +73,25 @@ impl Run {
         let every = frames.div_ceil(DRAWN_OF_TURN);
         for number in 0..frames {
             let begun = Instant::now();
-            let report = self.frame()?;
+            let mut report = self.frame()?;
             playing += begun.elapsed().as_secs_f64();
-            if number.is_multiple_of(every) {
-                drawing += self.draw(&report)?.as_secs_f64();
+            let is_drawn = number.is_multiple_of(every);
+            if is_drawn {
+                let view = EyeView {
+                    axes: report.view.axes,
+                    ..self.drawn
+                };
+                self.player.draw(&view, &mut report)?;
+                drawing += report.draw.as_secs_f64();
             }
-            self.note(&report);
+            self.note(&report, is_drawn);
         }
         let drawn = frames.div_ceil(every);
         let frame = playing / f64::from(frames) + drawing / f64::from(drawn);
-        let decoding: f64 = self.frames[first..]
-            .iter()
-            .map(|(seconds, _)| seconds)
-            .sum();
+        let decoding: f64 = self.frames[first..].iter().map(FrameTimes::seconds).sum();
         self.decoding.push(f64::from(frames) / decoding);
         self.end_to_end.push(1.0 / frame);
         Ok(())
-    }
-
-    fn draw(&mut self, report: &FrameReport) -> anyhow::Result<Duration> {
-        let begun = Instant::now();
-        let view = EyeView {
-            axes: report.view.axes,
-            ..self.drawn
-        };
-        self.player.drawer().picture(&view, None)?;
-        Ok(begun.elapsed())
     }
 
     fn frame(&mut self) -> anyhow::Result<FrameReport> {
@@ -113,11 +104,9 @@ impl Run {
         Ok(self.player.show(frame, &self.eye.next(time))?)
     }
 
-    fn note(&mut self, report: &FrameReport) {
+    fn note(&mut self, report: &FrameReport, is_drawn: bool) {
         let jumped = (self.next - 1).is_multiple_of(DWELL);
-        self.frames
-            .push(((report.choose + report.decode).as_secs_f64(), jumped));
-        self.choosing_ms.push(report.choose.as_secs_f64() * 1e3);
+        self.frames.push(FrameTimes::of(report, is_drawn, jumped));
         self.shares.push(report.share);
         self.late += u32::from(report.late);
         self.incomplete += u32::from(!report.missing.is_empty());

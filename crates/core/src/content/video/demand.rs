@@ -29,6 +29,8 @@ pub struct VideoDemand {
     /// What chooses where bytes are not limited, and remembers what it showed: one for each view of
     /// the moment, and at least one. None where that, too, is buying.
     rules: Vec<Rule>,
+    /// What their eye resolves.
+    known: KnownAcuity,
     /// Under a policy that spends a budget.
     purchases: Option<Box<Purchases>>,
     /// Computes what is lost; made when first asked for.
@@ -62,6 +64,13 @@ impl Rule {
         match self {
             Self::Steady(selector) => selector.needed(&occasion, known),
             Self::Target(selector) => selector.needed(content, (frame, glance), known),
+        }
+    }
+
+    /// From now on chooses from other content.
+    fn forget_losses(&mut self) {
+        if let Self::Target(selector) = self {
+            selector.forget_losses();
         }
     }
 
@@ -115,6 +124,7 @@ impl VideoDemand {
             purchases,
             config,
             rules,
+            known: KnownAcuity::default(),
             meter,
             last: None,
             begun: None,
@@ -137,10 +147,12 @@ impl VideoDemand {
     /// The same wish, with what was made for it, for other content of the same grid.
     #[must_use]
     pub fn of_content(&self, content: Arc<dyn VideoUnits>) -> Self {
-        Self {
+        let mut of_content = Self {
             content,
             ..self.clone()
-        }
+        };
+        of_content.rules.iter_mut().for_each(Rule::forget_losses);
+        of_content
     }
 
     /// The level of every cell that was chosen last; `None` before any choice.
@@ -182,11 +194,11 @@ impl Demand for VideoDemand {
             self.rules.resize_with(views, || anew.clone());
         }
         let rules = self.rules.iter_mut().zip(moment.glances());
-        let mut known = KnownAcuity::default();
+        let known = &mut self.known;
         let (grid, covers_each) = (&self.grid, !self.config.together);
         let through_each = rules.map(|(rule, glance)| {
             let glance = glance.on_surface();
-            let mut levels = rule.needed(&*self.content, (frame, &glance), &mut known);
+            let mut levels = rule.needed(&*self.content, (frame, &glance), known);
             if covers_each && views > 1 {
                 let _ = levels.cover(grid);
             }
@@ -264,9 +276,10 @@ impl Demand for VideoDemand {
             let meter = self.meter.get_or_init(meter);
             let rule = self.config.policy.expectation();
             let through = |glance: Glance| {
-                let losses = meter.losses(&self.grid, &*self.content, last.frame, &glance);
+                let shown = (&*self.content, last.frame);
+                let lost = meter.lost(&self.grid, shown, &glance, &last.levels);
                 let scale = self.content.scale(glance.view.as_ref());
-                let expected = scale.expected(rule, &losses.of(&last.levels));
+                let expected = scale.expected(rule, &lost);
                 expected.is_known.then_some(expected.jod)
             };
             let mut views = last.moment.glances().map(through);

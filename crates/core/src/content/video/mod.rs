@@ -3,6 +3,7 @@
 pub mod bytes;
 pub mod calibration;
 pub mod demand;
+mod glimpse;
 pub mod grid;
 pub mod losses;
 mod purchases;

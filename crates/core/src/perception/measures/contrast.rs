@@ -4,6 +4,8 @@
 //! both are decoded. With it a step can be valued for any gaze without decoding anything.
 //! `docs/formats/pack.md` is normative.
 
+use std::sync::LazyLock;
+
 /// Octaves of spatial frequency that a signature measures: the one that the step adds, and those
 /// below it that it changes.
 pub const SIGNATURE_BANDS: usize = 3;
@@ -117,10 +119,13 @@ fn code_of_contrast(contrast: f64) -> u8 {
 }
 
 fn contrast_of_code(code: u8) -> f64 {
-    match code {
-        0 => 0.0,
-        _ => MOST_CONTRAST * libm::exp2((f64::from(code) - 255.0) / STEPS_PER_OCTAVE),
-    }
+    static CONTRASTS: LazyLock<[f64; 256]> = LazyLock::new(|| {
+        core::array::from_fn(|code| match code {
+            0 => 0.0,
+            _ => MOST_CONTRAST * libm::exp2((code as f64 - 255.0) / STEPS_PER_OCTAVE),
+        })
+    });
+    CONTRASTS[usize::from(code)]
 }
 
 #[cfg(test)]

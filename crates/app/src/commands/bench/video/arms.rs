@@ -3,15 +3,17 @@
 //! All of a comparison take turns, so that other work on the machine touches all alike.
 
 use crate::commands::bench::video::report::{
-    Before, PublishedReport, Rate, Rates, Report, name_of,
+    Before, Foveated, PublishedReport, Rate, Rates, Report, WorkersReport, name_of,
 };
 use crate::commands::demo::machine::Machine;
 use crate::options::decoding::DeviceReport;
 use crate::options::preset::SystemPreset;
 use crate::report::output;
-use crate::run::timed::{Conditions, Run, Way};
+use crate::run::timed::{Conditions, Parts, Run, Way, decodes_per_frame};
 use foveal_core::content::policy::{Policy, PolicyConfig};
 use foveal_core::perception::acuity::AcuityModel;
+use foveal_play::Decoding;
+use foveal_render::DrawDevice;
 
 /// The slope that levels were chosen by before there was a target, in degrees a degree.
 pub(super) const SLOPE_BEFORE: f64 = 0.022;
@@ -35,11 +37,13 @@ pub(super) struct Published<'a> {
 
 /// Frames that are timed against each other.
 pub(super) struct Arms {
-    way: Way,
-    foveated: Run,
+    /// At least one.
+    foveated: Vec<(Way, Run)>,
     before: Run,
     whole: Whole,
     published: Option<PublishedArms>,
+    /// The first of the foveated ones on other numbers of threads, of which nothing is drawn.
+    workers: Vec<(usize, Run)>,
 }
 
 /// The rule of a published system, and what its own pack takes whole, where it has its own.
@@ -82,16 +86,28 @@ fn before() -> Way {
 }
 
 impl Arms {
-    /// Plays `frames` foveated ones, and as many of the others as their share is.
+    /// Plays `frames` foveated ones in each way, and as many of the others as their share is.
     pub(super) fn play(
         conditions: &Conditions<'_>,
-        way: &Way,
+        ways: &[Way],
         published: Option<&Published<'_>>,
+        workers: &[usize],
         frames: u32,
     ) -> anyhow::Result<Self> {
+        let foveated = |way: &Way| Ok((way.clone(), conditions.run(way, true)?));
+        let on_workers = |jobs: &usize| {
+            let others = Conditions {
+                drawing: &DrawDevice::Nothing,
+                decoding: Decoding {
+                    jobs: *jobs,
+                    ..conditions.decoding
+                },
+                ..conditions.clone()
+            };
+            Ok((*jobs, others.run(&ways[0], true)?))
+        };
         let mut arms = Self {
-            way: way.clone(),
-            foveated: conditions.run(way, true)?,
+            foveated: ways.iter().map(foveated).collect::<anyhow::Result<_>>()?,
             before: conditions.run(&before(), true)?,
             whole: Whole::new(conditions)?,
             published: match published {
@@ -101,6 +117,10 @@ impl Arms {
                 }),
                 None => None,
             },
+            workers: workers
+                .iter()
+                .map(on_workers)
+                .collect::<anyhow::Result<_>>()?,
         };
         let turn = frames.div_ceil(TURNS);
         let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
@@ -108,12 +128,17 @@ impl Arms {
             if bar.is_hidden() {
                 output::say(&format!("{} of {frames} frames are played", done * turn));
             }
-            arms.foveated.turn(turn)?;
+            for (_, run) in &mut arms.foveated {
+                run.turn(turn)?;
+            }
             arms.before.turn(turn.div_ceil(SHARE_OF_BEFORE))?;
             arms.whole.turn(turn)?;
             if let Some(PublishedArms { run, own }) = &mut arms.published {
                 run.turn(turn)?;
                 own.as_mut().map_or(Ok(()), |own| own.turn(turn))?;
+            }
+            for (_, run) in &mut arms.workers {
+                run.turn(turn)?;
             }
             bar.inc(u64::from(turn));
         }
@@ -130,31 +155,22 @@ impl Arms {
         published: Option<&Published<'_>>,
     ) -> anyhow::Result<Report> {
         let Self {
-            way,
-            mut foveated,
+            foveated,
             before: mut of_before,
             whole,
             published: arms,
+            workers,
         } = self;
         let about = conditions.file.pack().description();
-        let gpu_bytes = foveated.gpu_bytes();
-        let config = &way.config;
         let told = published.zip(arms).map(|(told, arms)| {
-            let over = ratio_of(&foveated, &arms.run);
+            let over = ratio_of(&foveated[0].1, &arms.run);
             published_report(told, arms, (&whole, conditions), over)
         });
+        let policies = foveated.into_iter();
+        let policies = policies.map(|(way, run)| foveated_report(&way, run, &whole, conditions));
+        let policies = policies.collect::<anyhow::Result<Vec<Foveated>>>()?;
+        let first = policies[0].clone();
         Ok(Report {
-            policy: config.policy.name(),
-            target: config.target,
-            slope: match config.acuity {
-                AcuityModel::Linear { slope, .. }
-                    if config.policy == Policy::Acuity && config.target.is_none() =>
-                {
-                    Some(slope)
-                }
-                _ => None,
-            },
-            score: conditions.score(&way)?,
             before: Before {
                 slope: SLOPE_BEFORE,
                 foveated_fps: fps(&of_before),
@@ -169,27 +185,65 @@ impl Arms {
             frames: frames.div_ceil(TURNS) * TURNS,
             turns: TURNS,
             jobs: conditions.decoding.jobs,
-            decoded_on: DeviceReport::new(foveated.device_use()),
-            foveated_fps: fps(&foveated),
             viewport_fps: fps(&whole.viewport),
             full_fps: fps(&whole.full),
             coarsest_fps: fps(&whole.coarsest),
             original_fps,
-            ratio: ratio_of(&foveated, &whole.full),
-            ratio_viewport: ratio_of(&foveated, &whole.viewport),
-            ratio_original: original_fps.map(|original| fps(&foveated) / original),
-            late_frames: foveated.late,
-            incomplete_frames: foveated.incomplete,
-            frames_to_fovea_p95: foveated.to_fovea_p95(),
-            pixels_share_mean: foveated.share(),
-            gpu_bytes,
-            gpu_share: gpu_share(gpu_bytes, conditions),
-            foveated: Rates::of(&foveated),
+            ratio_original: original_fps.map(|original| first.foveated_fps / original),
             viewport: Rates::of(&whole.viewport),
             full: Rates::of(&whole.full),
             coarsest: Rates::of(&whole.coarsest),
+            first,
+            policies: policies.into_iter().map(|it| (it.policy, it)).collect(),
             published: told,
+            workers: workers.iter().map(workers_report).collect(),
         })
+    }
+}
+
+/// What the foveated frames reached that were chosen in one way.
+fn foveated_report(
+    way: &Way,
+    mut run: Run,
+    whole: &Whole,
+    conditions: &Conditions<'_>,
+) -> anyhow::Result<Foveated> {
+    let config = &way.config;
+    let gpu_bytes = run.gpu_bytes();
+    Ok(Foveated {
+        policy: config.policy.name(),
+        target: config.target,
+        slope: match config.acuity {
+            AcuityModel::Linear { slope, .. }
+                if config.policy == Policy::Acuity && config.target.is_none() =>
+            {
+                Some(slope)
+            }
+            _ => None,
+        },
+        score: conditions.score(way)?,
+        decoded_on: DeviceReport::new(run.device_use()),
+        foveated_fps: fps(&run),
+        ratio: ratio_of(&run, &whole.full),
+        ratio_viewport: ratio_of(&run, &whole.viewport),
+        foveated: Rates::of(&run),
+        parts: Parts::of(&run.frames),
+        decodes_per_frame: decodes_per_frame(&run.frames),
+        late_frames: run.late,
+        incomplete_frames: run.incomplete,
+        frames_to_fovea_p95: run.to_fovea_p95(),
+        pixels_share_mean: run.share(),
+        gpu_bytes,
+        gpu_share: gpu_share(gpu_bytes, conditions),
+    })
+}
+
+/// What decoding takes on so many threads.
+fn workers_report((workers, run): &(usize, Run)) -> WorkersReport {
+    WorkersReport {
+        workers: *workers,
+        decode_ms_mean: Parts::of(&run.frames).decode.ms_mean,
+        foveated_fps: fps(run),
     }
 }
 

@@ -1,7 +1,8 @@
 //! How fast does foveated video play, against playing it whole?
 //!
 //! One pack, one pool of decoders, one gaze: the foveated frames, `viewport`, `full` and `coarsest`
-//! take turns in one run, together with the original file's own decoder. With `--preset` a
+//! take turns in one run, together with the original file's own decoder. With `--policy all` both
+//! rules that keep a target do, and with `--workers` other numbers of threads. With `--preset` a
 //! published system's rule takes turns as well, and the foveated frames are chosen for the score
 //! that it reaches.
 
@@ -12,7 +13,7 @@ mod report;
 
 use crate::options::decoding::DecodingOptions;
 use crate::options::policy::{TargetChoice, parse_target};
-use crate::options::policy_choice::{PolicyChoice, policy_choice_parser};
+use crate::options::policy_choice::{PoliciesChoice, policies_choice_parser};
 use crate::options::preset::SystemPreset;
 use crate::options::renderer::{RendererName, open_device};
 use crate::report::output::{self, WrongUsage, out_of_range};
@@ -47,8 +48,8 @@ pub(crate) struct VideoArgs {
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     /// How the foveated frames are chosen; auto is acuity where the pack has no calibration.
-    #[arg(long, value_parser = policy_choice_parser(), default_value = "auto")]
-    policy: PolicyChoice,
+    #[arg(long, value_parser = policies_choice_parser(), default_value = "auto")]
+    policy: PoliciesChoice,
     /// The score in JOD that they are chosen for, 1 to 9.99, or none (default: 9.5; with --preset
     /// what its rule reaches).
     #[arg(long, value_name = "JOD|none", value_parser = parse_target)]
@@ -69,6 +70,9 @@ pub(crate) struct VideoArgs {
     renderer: RendererName,
     #[command(flatten)]
     decoding: DecodingOptions,
+    /// Numbers of decoding threads to decode the foveated frames with as well.
+    #[arg(long, value_name = "N,..", value_delimiter = ',')]
+    workers: Vec<usize>,
     /// Seed of the gaze.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -85,24 +89,35 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
         bail!(out_of_range("--frames", args.frames, "10 to 100000"));
     }
     // Says what is wrong with the options before anything long begins.
-    args.config(args.policy.named().unwrap_or(Policy::Acuity))?;
+    for policy in args.named() {
+        args.config(policy)?;
+    }
+    for workers in &args.workers {
+        output::threads("--workers", *workers)?;
+    }
     let drawing = open_device(args.renderer)?;
     let content = args.content(None)?;
     let conditions = args.conditions(&content.pack, &drawing)?;
-    let config = args.config(args.policy_for(&conditions)?)?;
+    let policies = args.policies(&conditions)?;
     let published = match args.preset {
         Some(system) => Some(args.published(system, &conditions)?),
         None => None,
     };
-    let config = match (&published, args.target, args.slope) {
-        (Some(published), None, None) => equal::as_good_as(published, &conditions, config)?,
-        _ => config,
+    let way = |policy| {
+        let config = args.config(policy)?;
+        anyhow::Ok(Way::of(match (&published, args.target, args.slope) {
+            (Some(published), None, None) => equal::as_good_as(published, &conditions, config)?,
+            _ => config,
+        }))
     };
+    let ways = policies.into_iter().map(way);
+    let ways = ways.collect::<anyhow::Result<Vec<Way>>>()?;
     let original = content.original.as_deref().map(original_fps).transpose()?;
     let arms = Arms::play(
         &conditions,
-        &Way::of(config),
+        &ways,
         published.as_ref(),
+        &args.workers,
         args.frames,
     )?;
     let report = arms.report(&conditions, args.frames, original, published.as_ref())?;
@@ -110,19 +125,37 @@ pub(super) fn run(args: &VideoArgs) -> anyhow::Result<()> {
 }
 
 impl VideoArgs {
-    /// The policy of the foveated frames: of a calibrated pack the one that needs fewer pixels.
-    fn policy_for(&self, conditions: &Conditions<'_>) -> anyhow::Result<Policy> {
+    /// The policies that were named, those that keep a target for all.
+    fn named(&self) -> Vec<Policy> {
+        match self.policy {
+            PoliciesChoice::All => vec![Policy::Acuity, Policy::Perceptual],
+            PoliciesChoice::One(choice) => choice.named().into_iter().collect(),
+        }
+    }
+
+    /// The policies of the foveated frames; of a calibrated pack the one that needs fewer pixels is
+    /// the first, or chosen where none was named.
+    fn policies(&self, conditions: &Conditions<'_>) -> anyhow::Result<Vec<Policy>> {
+        let mut policies = self.named();
+        if let [policy] = policies[..] {
+            return Ok(vec![policy]);
+        }
         let target = match self.target {
             Some(TargetChoice::Jod(jod)) => Some(jod),
             Some(TargetChoice::None) => None,
             None => self.slope.is_none().then_some(DEFAULT_TARGET),
         };
-        let (None, Some(target)) = (self.policy.named(), target) else {
-            return Ok(self.policy.named().unwrap_or(Policy::Acuity));
+        let cheaper = match target {
+            Some(target) => {
+                let calibration = conditions.file.calibration()?;
+                calibration.and_then(|it| it.cheaper(target, Some(conditions.density())))
+            }
+            None => None,
         };
-        let calibration = conditions.file.calibration()?;
-        let cheaper = calibration.and_then(|it| it.cheaper(target, Some(conditions.density())));
-        Ok(cheaper.map_or(Policy::Acuity, |(rule, _)| Policy::judged_for(rule)))
+        let first = cheaper.map_or(Policy::Acuity, |(rule, _)| Policy::judged_for(rule));
+        policies.retain(|policy| *policy != first);
+        policies.insert(0, first);
+        Ok(policies)
     }
 
     /// How the foveated frames are chosen.

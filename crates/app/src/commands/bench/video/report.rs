@@ -2,9 +2,10 @@
 
 use crate::commands::demo::machine::Machine;
 use crate::options::decoding::DeviceReport;
-use crate::run::timed::Run;
+use crate::run::timed::{Parts, Run};
 use foveal_core::units::counted;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Frames a second: the median of all turns, the slowest and the fastest.
@@ -22,41 +23,68 @@ pub(super) struct Report {
     pub(super) frames: u32,
     pub(super) turns: u32,
     pub(super) jobs: usize,
-    /// Where the foveated frames were decoded.
-    pub(super) decoded_on: DeviceReport,
+    /// The foveated frames; of several policies of the first.
+    #[serde(flatten)]
+    pub(super) first: Foveated,
     /// Choosing and decoding, frames a second.
-    pub(super) foveated_fps: f64,
     pub(super) viewport_fps: f64,
     pub(super) full_fps: f64,
     pub(super) coarsest_fps: f64,
     pub(super) original_fps: Option<f64>,
-    /// `foveated_fps` over the others.
-    pub(super) ratio: f64,
-    pub(super) ratio_viewport: f64,
+    /// `foveated_fps` over that.
     pub(super) ratio_original: Option<f64>,
-    pub(super) foveated: Rates,
     pub(super) viewport: Rates,
     pub(super) full: Rates,
     pub(super) coarsest: Rates,
-    pub(super) policy: &'static str,
-    pub(super) target: Option<f64>,
-    pub(super) slope: Option<f64>,
-    /// Of the first frames against every finest tile, in JOD; null where nothing draws.
-    pub(super) score: Option<f64>,
+    /// The foveated frames under every policy that was played.
+    pub(super) policies: BTreeMap<&'static str, Foveated>,
     /// As versions chose that knew no score: acuity at a slope of 0.022, in the same run.
     pub(super) before: Before,
     /// The rule of a published system, in the same run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) published: Option<PublishedReport>,
-    /// Foveated frames whose time was over before they could be shown.
+    /// The foveated frames, decoded on other numbers of threads.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) workers: Vec<WorkersReport>,
+}
+
+/// What foveated frames reached.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Foveated {
+    pub(super) policy: &'static str,
+    pub(super) target: Option<f64>,
+    pub(super) slope: Option<f64>,
+    /// Of the first frames against every finest tile, in JOD; null where nothing draws.
+    pub(super) score: Option<f64>,
+    /// Where they were decoded.
+    pub(super) decoded_on: DeviceReport,
+    /// Choosing and decoding, frames a second.
+    pub(super) foveated_fps: f64,
+    /// `foveated_fps` over the others.
+    pub(super) ratio: f64,
+    pub(super) ratio_viewport: f64,
+    pub(super) foveated: Rates,
+    pub(super) parts: Parts,
+    /// Pictures of tiles, those to catch up included.
+    pub(super) decodes_per_frame: f64,
+    /// Frames whose time was over before they could be shown.
     pub(super) late_frames: u32,
-    /// Foveated frames shown with a coarser tile in the place of one that was chosen.
+    /// Frames shown with a coarser tile in the place of one that was chosen.
     pub(super) incomplete_frames: u32,
     pub(super) frames_to_fovea_p95: u32,
     pub(super) pixels_share_mean: f64,
     pub(super) gpu_bytes: u64,
     /// Of the whole finest level as 8-bit 4:2:0.
     pub(super) gpu_share: f64,
+}
+
+/// What decoding takes on so many threads.
+#[derive(Debug, Serialize)]
+pub(super) struct WorkersReport {
+    pub(super) workers: usize,
+    pub(super) decode_ms_mean: Option<f64>,
+    /// Choosing and decoding.
+    pub(super) foveated_fps: f64,
 }
 
 /// Figures of another setting next to the foveated ones.
@@ -135,7 +163,10 @@ impl Rates {
         Self {
             decode_fps: Rate::of(&run.decoding),
             end_to_end_fps: Rate::of(&run.end_to_end),
-            choose_ms: Rate::of(&run.choosing_ms).median,
+            choose_ms: {
+                let ms = run.frames.iter().map(|it| it.choose.as_secs_f64() * 1e3);
+                Rate::of(&ms.collect::<Vec<f64>>()).median
+            },
         }
     }
 
@@ -163,14 +194,40 @@ impl Report {
             counted(self.jobs, "decoding thread"),
             counted(self.turns, "turn")
         );
+        for foveated in self.foveated() {
+            text += &foveated
+                .foveated
+                .line(&format!("foveated, {}", foveated.policy));
+        }
         let rows = [
-            ("foveated", self.foveated),
             ("viewport", self.viewport),
             ("full", self.full),
             ("coarsest", self.coarsest),
         ];
         rows.iter()
             .for_each(|(name, rates)| text += &rates.line(name));
+        text += "ms a foveated frame, mean (median; mean of frames in which the gaze jumped):\n";
+        for foveated in self.foveated() {
+            text += &format!(
+                "{}: {}; {:.1} decodes a frame\n",
+                foveated.policy,
+                foveated.parts.text(),
+                foveated.decodes_per_frame
+            );
+        }
+        for WorkersReport {
+            workers,
+            decode_ms_mean,
+            foveated_fps,
+        } in &self.workers
+        {
+            text += &format!(
+                "foveated, {} on {}: {:.2} ms to decode, {foveated_fps:.1} frames/s decoded\n",
+                self.first.policy,
+                counted(*workers, "decoding thread"),
+                decode_ms_mean.unwrap_or_default(),
+            );
+        }
         text += &match (self.original_fps, self.ratio_original) {
             (Some(fps), Some(ratio)) => {
                 format!(
@@ -179,25 +236,39 @@ impl Report {
             }
             _ => "original file: not compared; give it with --original FILE\n".to_owned(),
         };
+        for foveated in self.foveated() {
+            text += &foveated.text();
+        }
         text += &format!(
-            "foveated under {}: {}; before, at a slope of {}: {}, {:.1} frames/s, {:.1} times \
-             full, {:.2} % of the pixels\n",
-            self.policy,
-            told(self.score),
+            "before, at a slope of {}: {}, {:.1} frames/s, {:.1} times full, {:.2} % of the \
+             pixels\n",
             self.before.slope,
             told(self.before.score),
             self.before.foveated_fps,
             self.before.ratio,
             self.before.pixels_share_mean * 100.0,
         );
-        text += &self
-            .published
-            .as_ref()
-            .map_or(String::new(), |it| it.text());
-        text + &format!(
-            "foveated is {:.1} times full and {:.1} times viewport; {:.2} % of the pixels\n\
-             {}, {}, fovea sharp {} after a saccade \
-             (95th percentile), {:.2} MB on the GPU ({:.2} % of a whole 4:2:0 frame)",
+        let published = self.published.as_ref();
+        text += &published.map_or(String::new(), PublishedReport::text);
+        text.trim_end().to_owned()
+    }
+
+    /// Under every policy, the first first.
+    fn foveated(&self) -> impl Iterator<Item = &Foveated> {
+        let others = self.policies.values();
+        let others = others.filter(|it| it.policy != self.first.policy);
+        std::iter::once(&self.first).chain(others)
+    }
+}
+
+impl Foveated {
+    fn text(&self) -> String {
+        format!(
+            "foveated under {}: {}; {:.1} times full and {:.1} times viewport; {:.2} % of the \
+             pixels; {}, {}, fovea sharp {} after a saccade (95th percentile), {:.2} MB on the \
+             GPU ({:.2} % of a whole 4:2:0 frame)\n",
+            self.policy,
+            told(self.score),
             self.ratio,
             self.ratio_viewport,
             self.pixels_share_mean * 100.0,

@@ -3,8 +3,10 @@
 use crate::content::video::grid::tile_grid::{Tile, TileGrid};
 use crate::perception::glance::Glance;
 use crate::units::{Cpd, Ppd, Radians};
+use crate::view::axes::angle_between;
 use crate::view::eye_view::EyeView;
 use crate::view::frustum::Frustum;
+use core::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 use std::sync::{Arc, OnceLock};
 
@@ -30,6 +32,9 @@ pub(crate) struct CellPlace {
 pub(crate) struct CellPlaces {
     pub(crate) cell: Tile,
     pub(crate) places: Vec<CellPlace>,
+    /// A cone round all of them: its axis, and the sine of its half angle, of a quarter turn at
+    /// most.
+    cone: (DVec3, f64),
 }
 
 impl CellPlaces {
@@ -81,11 +86,24 @@ impl CellPlaces {
                 area_deg2,
             }
         });
+        let places: Vec<CellPlace> = places.collect();
         Self {
             cell,
-            places: places.collect(),
+            cone: cone_round(&places),
+            places,
         }
     }
+}
+
+/// A cone that holds all places: its axis, and the sine of its half angle, of a quarter turn at
+/// most.
+fn cone_round(places: &[CellPlace]) -> (DVec3, f64) {
+    let sum: DVec3 = places.iter().map(|place| place.direction).sum();
+    let axis = sum.normalize_or(DVec3::NEG_Z);
+    let angles = places
+        .iter()
+        .map(|place| angle_between(axis, place.direction).0);
+    (axis, libm::sin(angles.fold(0.0, f64::max).min(FRAC_PI_2)))
 }
 
 /// All cells of a grid.
@@ -144,8 +162,11 @@ impl<'a> Sighted<'a> {
             Some((_, sight)) => sight.reaches(direction),
             None => true,
         };
-        let places = cell.places.iter();
-        places.filter(move |place| in_view(place.direction))
+        let (axis, sine) = cell.cone;
+        let sight = self.view.as_ref().map(|(_, sight)| sight);
+        let is_missed = sight.is_some_and(|it| it.is_surely_missed(axis, sine) == Some(true));
+        let places = if is_missed { &[] } else { &cell.places[..] };
+        places.iter().filter(move |place| in_view(place.direction))
     }
 
     /// Highest frequency that the display shows there.

@@ -1,4 +1,4 @@
-//! What is known of an eye's acuity from other views of the same moment?
+//! What is known of an eye's acuity from other views and moments?
 
 use crate::perception::acuity::AcuityModel;
 use crate::units::Radians;
@@ -7,9 +7,13 @@ use glam::DVec3;
 /// No level: it was not asked for yet.
 pub(super) const UNKNOWN: u8 = u8::MAX;
 
-/// What was found of one eye at one moment on one grid.
+/// Eyes that are remembered: those of a search for a slope, and a few densities of panels.
+const MOST_EYES: usize = 16;
+
+/// What was found of the last eyes on one grid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct KnownAcuity {
+    /// The one asked last comes last.
     found: Vec<(EyeBehind, Vec<u8>)>,
 }
 
@@ -24,7 +28,7 @@ pub(super) struct EyeBehind {
 }
 
 impl KnownAcuity {
-    /// How many eyes were asked.
+    /// How many eyes are remembered.
     #[cfg(test)]
     pub(super) fn eyes(&self) -> usize {
         self.found.len()
@@ -32,11 +36,17 @@ impl KnownAcuity {
 
     /// The levels known so far for such an eye, by rank of the cell.
     pub(super) fn levels(&mut self, eye: EyeBehind, cells: usize) -> &mut Vec<u8> {
-        let at = self.found.iter().position(|(known, _)| *known == eye);
-        let at = at.unwrap_or_else(|| {
-            self.found.push((eye, vec![UNKNOWN; cells]));
-            self.found.len() - 1
-        });
-        &mut self.found[at].1
+        let last = self.found.len();
+        let at = self.found.iter().rposition(|(known, _)| *known == eye);
+        match at {
+            Some(at) => self.found[at..].rotate_left(1),
+            None if last < MOST_EYES => self.found.push((eye, vec![UNKNOWN; cells])),
+            None => {
+                self.found.rotate_left(1);
+                self.found[last - 1] = (eye, vec![UNKNOWN; cells]);
+            }
+        }
+        let last = self.found.len() - 1;
+        &mut self.found[last].1
     }
 }

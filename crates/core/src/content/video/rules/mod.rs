@@ -262,8 +262,13 @@ impl Rules {
             return self.magnified_level(bounds, glance);
         }
         let floor = |nearest| self.floor_level(bounds, nearest, glance);
-        if floor(bounds.least_eccentricity(gaze.gaze_in_content)) == self.grid.coarsest() {
-            return self.grid.coarsest();
+        let finest = floor(bounds.least_eccentricity(gaze.gaze_in_content));
+        if finest == self.grid.coarsest() {
+            return finest;
+        }
+        // Its middle is one of the places that must be allowed.
+        if self.allowed_level(glance, bounds.middle()) == finest {
+            return finest;
         }
         let nearest = bounds.nearest_probe(&self.grid, gaze.gaze_in_content);
         let found = self.allowed_level(glance, &nearest);
@@ -309,9 +314,15 @@ impl Rules {
         let eccentricity = angle_between(gaze, direction);
         let beyond = self.beyond_disc(eccentricity, &glance.gaze);
         let disc = self.disc_footprint(eccentricity, ppd);
-        // The nearest direction to the gaze that an eye off by the disc's radius could look along.
-        let toward = toward(gaze, direction, eccentricity, beyond);
-        let acuity = self.config.acuity.acuity(toward, direction);
+        let acuity = &self.config.acuity;
+        let acuity = match acuity.is_round() {
+            true => acuity.best_acuity(beyond),
+            false => {
+                // The nearest to the gaze that an eye off by the disc's radius could look along.
+                let toward = toward(gaze, direction, eccentricity, beyond);
+                acuity.acuity(toward, direction)
+            }
+        };
         (ppd.0 / (2.0 * acuity.0)).min(disc)
     }
 

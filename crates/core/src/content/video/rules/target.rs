@@ -8,6 +8,7 @@
 use crate::content::policy::calibration::{Expectation, slope_for};
 use crate::content::policy::{Policy, PolicyConfig};
 use crate::content::video::calibration::Scale;
+use crate::content::video::glimpse::{Finder, Glimpse};
 use crate::content::video::grid::level_map::LevelMap;
 use crate::content::video::grid::tile_grid::TileGrid;
 use crate::content::video::losses::{Around, LossMeter, Losses};
@@ -69,6 +70,8 @@ pub struct TargetSelector {
     meter: LossMeter,
     /// Under `acuity`: the rule, whose slope follows.
     rule: Option<SteadySelector>,
+    /// The losses that were found last.
+    glimpse: Glimpse,
     before: Option<Chosen>,
 }
 
@@ -111,6 +114,7 @@ impl TargetSelector {
             target,
             meter: meter(),
             rule,
+            glimpse: Glimpse::default(),
             config: config.clone(),
             before: None,
         })
@@ -121,9 +125,15 @@ impl TargetSelector {
     pub(crate) fn without_memory(&self) -> Self {
         Self {
             rule: self.rule.as_ref().map(SteadySelector::without_memory),
+            glimpse: Glimpse::default(),
             before: None,
             ..self.clone()
         }
+    }
+
+    /// From now on chooses from other content.
+    pub(crate) fn forget_losses(&mut self) {
+        self.glimpse = Glimpse::default();
     }
 
     /// The choice for one glance, after those before.
@@ -177,22 +187,22 @@ impl TargetSelector {
             room,
             bounds,
         };
-        let losses = self
-            .meter
-            .losses_around(&self.grid, content, frame, &around);
+        let mut glimpse = core::mem::take(&mut self.glimpse);
+        let mut losses = glimpse.look(&self.meter, &self.grid, (content, frame), &around);
         let (step, mut needed) = match self.rule.take() {
             Some(mut rule) => {
-                let step = self.slope(&rule, (&losses, &scale), &looked, known);
+                let step = self.slope(&rule, (&mut losses, &scale), &looked, known);
                 rule.set_acuity(self.slope_at(&scale, step));
                 let needed = rule.needed(&occasion, known);
                 self.rule = Some(rule);
                 (step, needed)
             }
             None => match (bounds, self.config.bound) {
-                (_, Some(bound)) => (0, self.within(&losses, bound)),
-                (_, None) => self.by_bound(&losses, &scale),
+                (_, Some(bound)) => (0, self.within(&mut losses, bound)),
+                (_, None) => self.by_bound(&mut losses, &scale),
             },
         };
+        self.glimpse = glimpse;
         floor.iter().for_each(|floor| needed.refine_to(floor));
         self.before = Some(Chosen {
             floor,
@@ -226,7 +236,7 @@ impl TargetSelector {
     fn slope(
         &self,
         rule: &SteadySelector,
-        (losses, scale): (&Losses, &Scale),
+        (losses, scale): (&mut Finder<'_>, &Scale),
         glance: &Glance,
         known: &mut KnownAcuity,
     ) -> u32 {
@@ -259,7 +269,7 @@ impl TargetSelector {
 
     /// Every cell takes the coarsest level whose loss stays within a bound; where a judge saw the
     /// content, within so many times the bound that it found for the cell's zone.
-    fn by_bound(&self, losses: &Losses, scale: &Scale) -> (u32, LevelMap) {
+    fn by_bound(&self, losses: &mut Finder<'_>, scale: &Scale) -> (u32, LevelMap) {
         let is_measured = scale.is_measured(Expectation::ByLoss);
         let bound = |step| match is_measured {
             true => libm::exp2((f64::from(step) - f64::from(JUDGED_BOUNDS)) / JUDGED_BOUND_STEPS),
@@ -282,7 +292,7 @@ impl TargetSelector {
     }
 
     /// Levels within a bound, after what was shown before.
-    fn within(&self, losses: &Losses, bound: f64) -> LevelMap {
+    fn within(&self, losses: &mut Finder<'_>, bound: f64) -> LevelMap {
         let before = self.before.as_ref();
         let before = before.map(|before| before.needed.covered(&self.grid));
         self.bounded(losses, bound, before.as_ref())
@@ -290,19 +300,20 @@ impl TargetSelector {
 
     /// Levels within a bound; a cell that was finer becomes coarser only when that is clearly
     /// enough.
-    fn bounded(&self, losses: &Losses, bound: f64, before: Option<&LevelMap>) -> LevelMap {
+    fn bounded(&self, losses: &mut Finder<'_>, bound: f64, before: Option<&LevelMap>) -> LevelMap {
         let coarsest = self.grid.coarsest();
-        let allowed = |rank: usize, bound: f64| {
+        let [most, clearly] = [bound, bound * COARSER_BELOW].map(Losses::of_pixel);
+        let mut allowed = |rank: usize, most: f64| {
             let mut levels = (1..=coarsest).rev();
-            let within = levels.find(|level| losses.is_within(rank, *level, bound));
+            let within = levels.find(|level| losses.is_within(rank, *level, most));
             let more = u8::from(losses.is_beside(rank));
             coarsest.min(within.unwrap_or(0) + more)
         };
         LevelMap::from_cells(&self.grid, |cell| {
             let rank = self.grid.rank(cell) as usize;
-            let level = allowed(rank, bound);
+            let level = allowed(rank, most);
             match before.map(|before| before.level(&self.grid, cell)) {
-                Some(was) if was < level => was.max(allowed(rank, bound * COARSER_BELOW)),
+                Some(was) if was < level => was.max(allowed(rank, clearly)),
                 _ => level,
             }
         })
