@@ -11,11 +11,13 @@ use common::{FULL, Scene, turned, waves, waves_around};
 use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::surface::Surface;
-use foveal_render::{Gpu, RadialBlur, RenderError, Renderer};
+use foveal_render::{Gpu, HalvedBy, RadialBlur, RenderError};
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [1280, 720];
 const FRAMES: usize = 9;
+/// Times that all tiles are uploaded.
+const ROUNDS: usize = 30;
 
 /// The tiles of the ring that `distance` (in cells from the middle of face 0) asks for.
 fn foveated(grid: &TileGrid) -> Vec<Tile> {
@@ -49,18 +51,30 @@ fn cpu_ms() -> f64 {
     ticks.filter_map(|t| t.parse::<f64>().ok()).sum::<f64>() * 10.0
 }
 
-/// Prints what a tile costs on its way to the GPU, when there are some.
-fn time_uploads(renderer: &mut Renderer, scene: &Scene, tiles: &[Tile]) -> Result<(), RenderError> {
+/// Prints what a tile costs on its way to the GPU, when there are some: until the calls
+/// are back, and of the whole process until the GPU holds tiles and averages.
+fn time_uploads(gpu: &Gpu, scene: &Scene, tiles: &[Tile]) -> Result<(), RenderError> {
     let pictures: Vec<_> = tiles.iter().map(|&tile| (tile, scene.tile(tile))).collect();
     if pictures.is_empty() {
         return Ok(());
     }
-    let cpu = cpu_ms();
-    for (tile, picture) in &pictures {
-        renderer.tiles().upload(*tile, 1, picture)?;
+    for by in [HalvedBy::Cpu, HalvedBy::Gpu] {
+        let mut renderer = scene.halved_by(by, gpu, tiles);
+        renderer.tiles().settle()?;
+        let (cpu, mut in_calls) = (cpu_ms(), 0.0);
+        for _ in 0..ROUNDS {
+            let start = Instant::now();
+            for (tile, picture) in &pictures {
+                renderer.tiles().upload(*tile, 1, picture)?;
+            }
+            in_calls += start.elapsed().as_secs_f64() * 1e3;
+            renderer.tiles().settle()?;
+        }
+        let uploads = (ROUNDS * pictures.len()) as f64;
+        let [calls, all] = [in_calls, cpu_ms() - cpu].map(|ms| ms / uploads);
+        let count = pictures.len();
+        println!("{count} uploads, averages by {by:?}: calls {calls:.3} ms each, CPU {all:.3}");
     }
-    let each = (cpu_ms() - cpu) / pictures.len() as f64;
-    println!("{} uploads: {each:.3} ms of CPU each", pictures.len());
     Ok(())
 }
 
@@ -71,7 +85,7 @@ fn measure(gpu: &Gpu, scene: &Scene, view: &EyeView, name: &str) -> Result<(), R
         ("coarsest", Vec::new()),
     ] {
         let mut renderer = scene.on_gpu(gpu, &tiles);
-        time_uploads(&mut renderer, scene, &tiles)?;
+        time_uploads(gpu, scene, &tiles)?;
         let mut times = Vec::new();
         renderer.reconstruct(view)?;
         let cpu = cpu_ms();

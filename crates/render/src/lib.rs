@@ -34,6 +34,7 @@ pub use crate::gpu::readback::ReadBack;
 pub use crate::tiles::blur::RadialBlur;
 pub use crate::tiles::drawer::{TileDrawer, TileStyle};
 pub use crate::tiles::frame::Renderer;
+pub use crate::tiles::halving::HalvedBy;
 pub use crate::tiles::sampling::{mask_shape, sample_count};
 pub use crate::tiles::sparse::Interpolation;
 pub use crate::tiles::store::TileStore;

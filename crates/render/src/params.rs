@@ -4,6 +4,7 @@
 //! `tests/shaders.rs` compares them.
 
 use crate::tiles::atlas_shape::AtlasShape;
+use crate::tiles::samples::Extent;
 use bytemuck::{Pod, Zeroable};
 use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::perception::samples::sample_mask::{SPACINGS, SampleMask};
@@ -84,6 +85,26 @@ pub struct Overlay {
     pub unused: f32,
 }
 
+/// A plane of a tile whose samples are averaged in squares.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct HalvedParams {
+    /// Column and row of the first texel that is written.
+    pub corner: [u32; 2],
+    /// Columns and rows that are written.
+    pub size: [u32; 2],
+    /// Column and row of the first texel that is read.
+    pub low: [u32; 2],
+    /// Column and row behind the last texel that is read.
+    pub high: [u32; 2],
+    /// The first texel of the square under texel (0, 0), had the tile one there.
+    pub shift: [i32; 2],
+    /// Layer of the atlas.
+    pub layer: u32,
+    /// Texels of a square on a side.
+    pub ratio: u32,
+}
+
 /// Samples round the gaze.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -147,6 +168,25 @@ impl SparseParams {
             unused: 0.0,
             unused_pair: [0.0; 2],
             spacings,
+        }
+    }
+}
+
+impl HalvedParams {
+    /// Samples of `extent` whose first lies at column, row and layer `texel` of their mip, column
+    /// and row multiples of `ratio`.
+    #[must_use]
+    pub(crate) fn new(extent: Extent, [x, y, layer]: [u32; 3], ratio: u32) -> Self {
+        let reduced = extent.reduced(ratio);
+        let shift = |k: usize| (ratio * reduced.first[k]) as i32 - extent.first[k] as i32;
+        Self {
+            corner: [x / ratio, y / ratio],
+            size: reduced.size,
+            low: [x, y],
+            high: [x + extent.size[0], y + extent.size[1]],
+            shift: [shift(0), shift(1)],
+            layer,
+            ratio,
         }
     }
 }

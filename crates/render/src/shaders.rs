@@ -29,6 +29,7 @@ const BLUR_RADIAL: &str = include_str!("../shaders/blur_radial.wgsl");
 const RECONSTRUCT_TEXTURES: &str = include_str!("../shaders/reconstruct_textures.wgsl");
 const CULL_CLUSTERS: &str = include_str!("../shaders/cull_clusters.wgsl");
 const DEPTHS: &str = include_str!("../shaders/shared/depths.wgsl");
+const HALVE_TILES: &str = include_str!("../shaders/halve_tiles.wgsl");
 const HALVE_DEPTHS: &str = include_str!("../shaders/halve_depths.wgsl");
 const MARK_UNITS: &str = include_str!("../shaders/mark_units.wgsl");
 const FOOTPRINTS: &str = include_str!("../shaders/footprints.wgsl");
@@ -120,6 +121,16 @@ pub fn reconstruct_textures(projection: Projection) -> Shader {
         name: "reconstruct_textures",
         steps: &[["cover", "reconstruct_textures"]],
         text: joined(surroundings(projection), &[COLOUR, RECONSTRUCT_TEXTURES]),
+    }
+}
+
+/// The pass that averages tiles to the spacing of a coarser level.
+#[must_use]
+pub fn halve_tiles() -> Shader {
+    Shader {
+        name: "halve_tiles",
+        steps: &[["place_tile", "halve_tiles"]],
+        text: HALVE_TILES.to_owned(),
     }
 }
 

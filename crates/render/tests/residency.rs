@@ -5,7 +5,7 @@ use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::Picture;
 use foveal_render::twin::TwinTiles;
-use foveal_render::{Gpu, RenderError, Renderer};
+use foveal_render::{Gpu, HalvedBy, RenderError, Renderer};
 
 fn scene() -> Scene {
     let grid = TileGrid::new(flat([512, 256]), Cut::Tile(32), 3, 2).unwrap();
@@ -121,6 +121,7 @@ fn the_atlas_grows_to_its_bound_and_then_reuses_the_oldest_slot() {
         Picture::filled(w, h, [tile.x as u8 * 20 + tile.y as u8, 128, 128])
     };
     let mut renderer = Renderer::new(&gpu, &grid, FULL, 2).unwrap();
+    renderer.tiles().halve_by(HalvedBy::Cpu);
     renderer.tiles().begin_frame(1);
     let before = renderer.tiles().gpu_bytes();
     let layer = 1024 * 1024 * 3 / 2 * 5 / 4;
@@ -140,6 +141,83 @@ fn the_atlas_grows_to_its_bound_and_then_reuses_the_oldest_slot() {
         let view = window(&grid.surface, middle, [2, 2], 1.0);
         let shown = renderer.reconstruct(&view).unwrap().pixel([0, 0]);
         assert_eq!(shown[0], tile.x as u8 * 20 + tile.y as u8, "{tile:?}");
+    }
+}
+
+#[test]
+fn a_slot_that_changes_hands_before_a_draw_has_the_averages_of_its_last_tile() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let fine = scene.finest();
+    // Averages alone are shown, of the last tile that had the slot.
+    let view = EyeView::filling(&scene.grid.surface, [256, 128]);
+    let mut renderer = scene.halved_by(HalvedBy::Gpu, &gpu, &fine[..20]);
+    for range in [10..40, 30..128] {
+        renderer.tiles().retain(&fine[range.clone()]);
+        for &tile in &fine[range] {
+            renderer.tiles().upload(tile, 1, &scene.tile(tile)).unwrap();
+        }
+    }
+    let mut fresh = scene.halved_by(HalvedBy::Cpu, &gpu, &fine[30..]);
+    let expected = fresh.reconstruct(&view).unwrap();
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+}
+
+#[test]
+fn an_atlas_that_grows_before_a_draw_keeps_what_was_halved_and_halves_the_rest() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let grid = TileGrid::new(flat([1536, 768]), Cut::Tile(256), 4, 2).unwrap();
+    let scene = Scene::new(grid, LEFT, waves);
+    let fine = scene.finest();
+    let view = EyeView::filling(&grid.surface, [384, 192]);
+    let mut renderer = scene.halved_by(HalvedBy::Gpu, &gpu, &fine[..5]);
+    renderer.reconstruct(&view).unwrap();
+    let bytes = renderer.tiles().gpu_bytes();
+    for (n, &tile) in fine[5..].iter().enumerate() {
+        renderer.tiles().upload(tile, 1, &scene.tile(tile)).unwrap();
+        if n == 3 {
+            renderer.tiles().settle().unwrap();
+        }
+    }
+    assert!(renderer.tiles().gpu_bytes() > bytes);
+    let mut fresh = scene.halved_by(HalvedBy::Cpu, &gpu, &fine);
+    let expected = fresh.reconstruct(&view).unwrap();
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+}
+
+#[test]
+fn a_picture_that_is_too_large_leaves_tiles_to_be_halved_for_the_next() {
+    let gpu = Gpu::open_blocking().unwrap();
+    let scene = scene();
+    let fine = scene.finest();
+    let mut renderer = scene.halved_by(HalvedBy::Gpu, &gpu, &fine);
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    let large = EyeView::filling(&scene.grid.surface, [most + 1, 8]);
+    assert!(renderer.draw(&large, None).is_err());
+    let view = EyeView::filling(&scene.grid.surface, [256, 128]);
+    let mut fresh = scene.halved_by(HalvedBy::Cpu, &gpu, &fine);
+    let expected = fresh.reconstruct(&view).unwrap();
+    assert_eq!(renderer.reconstruct(&view).unwrap(), expected);
+}
+
+#[test]
+fn a_device_that_is_lost_before_tiles_are_halved_is_reported_and_nothing_panics() {
+    let scene = scene();
+    let tile = scene.finest()[3];
+    let view = EyeView::filling(&scene.grid.surface, [256, 128]);
+    for by in [HalvedBy::Cpu, HalvedBy::Gpu] {
+        let gpu = Gpu::open_blocking().unwrap();
+        let mut renderer = scene.halved_by(by, &gpu, &scene.finest());
+        let (lost, reported) = std::sync::mpsc::channel();
+        let tell = move |_, _| lost.send(()).unwrap();
+        gpu.device.set_device_lost_callback(tell);
+        gpu.device.destroy();
+        assert!(renderer.draw(&view, None).is_ok(), "{by:?}");
+        renderer.tiles().upload(tile, 1, &scene.tile(tile)).unwrap();
+        assert!(renderer.draw(&view, None).is_ok(), "{by:?}");
+        let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        assert!(reported.try_recv().is_ok(), "{by:?}");
     }
 }
 

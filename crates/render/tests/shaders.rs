@@ -2,15 +2,17 @@
 
 use foveal_core::view::surface::Projection;
 use foveal_render::importance::{BandParams, EyeParams};
-use foveal_render::params::{BlurParams, Overlay, SparseParams, TileParams, ViewParams};
+use foveal_render::params::{
+    BlurParams, HalvedParams, Overlay, SparseParams, TileParams, ViewParams,
+};
 use foveal_render::points::params::{CloudViewParams, CubeParams};
 use foveal_render::points::pass::draw_points;
 use foveal_render::scene::footprints::GazedParams;
 use foveal_render::scene::params::{HalvingParams, PlacementParams, SceneParams};
 use foveal_render::shaders::{
     Shader, blur_halve, blur_radial, cull_clusters, draw_clusters, footprints, halve_depths,
-    importance, interpolate_sparse, mark_units, overlay, reconstruct, reconstruct_textures,
-    reduce_source, warp,
+    halve_tiles, importance, interpolate_sparse, mark_units, overlay, reconstruct,
+    reconstruct_textures, reduce_source, warp,
 };
 use foveal_render::warp::params::{BlendParams, PanelParams, SightParams, WarpParams};
 use naga::proc::Layouter;
@@ -66,12 +68,18 @@ macro_rules! same_layout {
 
 #[test]
 fn what_is_drawn_over_a_picture_is_valid_with_no_capability_that_a_browser_lacks() {
-    for shader in [blur_halve(), blur_radial(), mark_units()] {
+    for shader in [blur_halve(), blur_radial(), halve_tiles(), mark_units()] {
         let module = parsed(&shader);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}: {e:?}", shader.name));
     }
+    same_layout!(
+        parsed(&halve_tiles()),
+        "Halved",
+        HalvedParams,
+        [corner, size, low, high, shift, layer, ratio]
+    );
     let module = parsed(&blur_radial());
     same_layout!(
         module,

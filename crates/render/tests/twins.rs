@@ -5,7 +5,7 @@ use foveal_core::content::video::grid::tile_grid::{Cut, TileGrid};
 use foveal_core::view::eye_view::EyeView;
 use foveal_core::view::picture::Colour;
 use foveal_core::view::surface::{Mapping, Surface};
-use foveal_render::{Gpu, Overlay, twin};
+use foveal_render::{Gpu, HalvedBy, Overlay, twin};
 
 /// Within 1 of 255 on 99.9 % of all channels, and nowhere more than 3: beyond rounding, a place
 /// that falls exactly between two samples may go to either on the two sides.
@@ -21,6 +21,9 @@ fn assert_alike(scene: &Scene, view: &EyeView, seed: u64, what: &str) {
     let mut renderer = scene.on_gpu(&gpu, &tiles);
     let memory = scene.in_memory(&tiles);
     assert_eq!(renderer.tiles().level_map(), memory.level_map());
+    let mut halved = scene.halved_by(HalvedBy::Gpu, &gpu, &tiles);
+    let [by_gpu, by_cpu] = [&mut halved, &mut renderer].map(|it| it.reconstruct(view).unwrap());
+    assert!(by_gpu == by_cpu, "{what}: halved on the GPU");
     for (name, drawn, expected) in [
         (
             "reconstruct",

@@ -89,6 +89,24 @@ impl Gpu {
         }
     }
 
+    /// What `make` makes; `None` where the device was lost: what a lost one makes is invalid, and
+    /// an error as soon as it is used. A browser's device takes it and does nothing.
+    pub(crate) fn unless_lost<T>(&self, make: impl FnOnce() -> T) -> Option<T> {
+        #[cfg(target_arch = "wasm32")]
+        {
+            Some(make())
+        }
+        #[cfg(not(target_arch = "wasm32"))]
+        {
+            let scope = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let made = make();
+            match pollster::block_on(scope.pop()) {
+                None => Some(made),
+                Some(_) => None,
+            }
+        }
+    }
+
     /// [`Self::open`], waited for.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn open_blocking() -> Result<Self, RenderError> {

@@ -31,6 +31,27 @@ pub(crate) enum Reads {
 }
 
 impl Reads {
+    /// Bindings with what each reads, in the stages that read them.
+    pub(crate) fn layout(
+        gpu: &Gpu,
+        name: &'static str,
+        visibility: wgpu::ShaderStages,
+        reads: &[(u32, Self)],
+    ) -> wgpu::BindGroupLayout {
+        let entry = |(binding, reads): &(u32, Self)| wgpu::BindGroupLayoutEntry {
+            binding: *binding,
+            visibility,
+            ty: reads.binding(),
+            count: None,
+        };
+        let entries: Vec<wgpu::BindGroupLayoutEntry> = reads.iter().map(entry).collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some(name),
+            entries: &entries,
+        };
+        gpu.device.create_bind_group_layout(&descriptor)
+    }
+
     fn binding(self) -> wgpu::BindingType {
         let buffer = |ty| wgpu::BindingType::Buffer {
             ty,
@@ -81,19 +102,7 @@ impl ScreenPass {
         reads: &[(u32, Reads)],
         blend: Option<wgpu::BlendState>,
     ) -> Self {
-        let entry = |(binding, reads): &(u32, Reads)| wgpu::BindGroupLayoutEntry {
-            binding: *binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: reads.binding(),
-            count: None,
-        };
-        let entries: Vec<wgpu::BindGroupLayoutEntry> = reads.iter().map(entry).collect();
-        let layout = gpu
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(shader.name),
-                entries: &entries,
-            });
+        let layout = Reads::layout(gpu, shader.name, wgpu::ShaderStages::FRAGMENT, reads);
         Self {
             name: shader.name,
             steps: pipelines(gpu, shader, &layout, blend),

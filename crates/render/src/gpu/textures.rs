@@ -1,6 +1,7 @@
 //! How are textures made, and their texels written?
 
 use crate::gpu::device::Gpu;
+use std::ops::Range;
 
 /// A texture array of so many columns, rows, layers and mips, all at least 1.
 pub(crate) fn texture_array(
@@ -23,6 +24,16 @@ pub(crate) fn texture_array(
         format,
         usage,
         view_formats: &[],
+    })
+}
+
+/// The view of all layers of some mips of a texture, as an array also where there is one layer.
+pub(crate) fn layers_of(texture: &wgpu::Texture, mips: Range<u32>) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        base_mip_level: mips.start,
+        mip_level_count: Some(mips.end - mips.start),
+        ..wgpu::TextureViewDescriptor::default()
     })
 }
 

@@ -3,9 +3,9 @@
 //! In one texture array of luma and one of chroma, both divided as [`AtlasShape`] says, which grow
 //! by layers. Chroma has two channels and half the size: U and V are always read together.
 
-use crate::gpu::textures::{paired, texture_array, write_texels};
+use crate::gpu::textures::{layers_of, paired, texture_array, write_texels};
 use crate::tiles::atlas_shape::AtlasShape;
-use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::Samples};
+use crate::{error::RenderError, gpu::device::Gpu};
 use foveal_core::content::video::grid::tile_grid::Tile;
 
 /// A luma texture array and a chroma texture array of half its size.
@@ -14,31 +14,39 @@ pub(crate) struct Planes {
     pub(crate) chroma: wgpu::Texture,
 }
 
+/// Columns and rows of a plane of a tile, and its codes row by row.
+pub(crate) type PlaneCodes<'a> = ([u32; 2], &'a [u8]);
+
 impl Planes {
+    /// Formats of luma and of chroma.
+    pub(crate) const FORMATS: [wgpu::TextureFormat; 2] =
+        [wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::Rg8Unorm];
+
     fn new(gpu: &Gpu, shape: &AtlasShape, layers: u32) -> Self {
         let texture = |shrink, format| {
             let [width, height] = shape.layer.map(|side| side / shrink);
             let size = [width, height, layers, shape.mips];
             let usage = wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::RENDER_ATTACHMENT
                 | wgpu::TextureUsages::COPY_DST
                 | wgpu::TextureUsages::COPY_SRC;
             texture_array(&gpu.device, "atlas", size, format, usage)
         };
+        let [luma, chroma] = Self::FORMATS;
         Self {
-            luma: texture(1, wgpu::TextureFormat::R8Unorm),
-            chroma: texture(2, wgpu::TextureFormat::Rg8Unorm),
+            luma: texture(1, luma),
+            chroma: texture(2, chroma),
         }
     }
 
-    /// Writes samples of Y, U and V at a place, given by column and row of the luma texel in mip 0
-    /// and layer.
-    fn write(&self, gpu: &Gpu, place: [u32; 3], mip: u32, samples: [&Samples; 3]) {
-        let [y, u, v] = samples;
+    /// Writes Y, U and V at a place, given by column and row of the luma texel in mip 0 and layer.
+    pub(crate) fn write(&self, gpu: &Gpu, place: [u32; 3], mip: u32, planes: [PlaneCodes<'_>; 3]) {
+        let [y, u, v] = planes;
         let [left, top, layer] = place;
         let at = [left >> mip, top >> mip, layer, mip];
-        write_texels(gpu, &self.luma, at, y.size, &y.codes);
+        write_texels(gpu, &self.luma, at, y.0, y.1);
         let at = [(left / 2) >> mip, (top / 2) >> mip, layer, mip];
-        write_texels(gpu, &self.chroma, at, u.size, &paired(&u.codes, &v.codes));
+        write_texels(gpu, &self.chroma, at, u.0, &paired(u.1, v.1));
     }
 
     /// Bytes of both textures, all mips and layers.
@@ -46,14 +54,9 @@ impl Planes {
         bytes(&self.luma) + bytes(&self.chroma)
     }
 
-    /// Views of the luma and the chroma array, also where there is one layer.
+    /// Views of the luma and the chroma array.
     pub(crate) fn views(&self) -> [wgpu::TextureView; 2] {
-        [&self.luma, &self.chroma].map(|texture| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..wgpu::TextureViewDescriptor::default()
-            })
-        })
+        [&self.luma, &self.chroma].map(|it| layers_of(it, 0..it.mip_level_count()))
     }
 }
 
@@ -140,27 +143,6 @@ impl Atlas {
         self.planes = larger;
         self.layers += 1;
         self.shape.slots_in(self.layers - 1)
-    }
-
-    /// Writes a tile and its reductions into a slot; `planes` are Y, U, V as
-    /// [`crate::tiles::reduce::pyramid`] gives them.
-    pub(crate) fn write_slot(
-        &self,
-        gpu: &Gpu,
-        slot: SlotPlace,
-        octaves: u32,
-        planes: &[Vec<Samples>; 3],
-    ) {
-        let texel = self.texel_of_slot(slot);
-        let [y, u, v] = planes;
-        for (step, ((y, u), v)) in (0..).zip(y.iter().zip(u).zip(v)) {
-            self.planes.write(gpu, texel, step * octaves, [y, u, v]);
-        }
-    }
-
-    /// Writes a tile of the coarsest level.
-    pub(crate) fn write_base(&self, gpu: &Gpu, tile: Tile, planes: [&Samples; 3]) {
-        self.planes.write(gpu, self.texel_of_base(tile), 0, planes);
     }
 
     /// Column and row of the first luma texel in a slot, and its layer.

@@ -124,8 +124,9 @@ impl Renderer {
         view: &EyeView,
         marks: Option<&Overlay>,
     ) -> Result<&wgpu::Texture, RenderError> {
-        self.tiles.flush();
         self.output.fit(&self.gpu, view.size)?;
+        // Behind what may fail: what is recorded here counts as done.
+        self.tiles.flush(encoder);
         let params = ViewParams::new(view, &self.grid);
         let (gpu, tiles, output) = (&self.gpu, &self.tiles, &self.output);
         let reconstruct = &mut self.reconstruct;

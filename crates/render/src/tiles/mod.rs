@@ -5,10 +5,12 @@ pub(crate) mod atlas_shape;
 pub(crate) mod blur;
 pub(crate) mod drawer;
 pub(crate) mod frame;
+pub(crate) mod halving;
 pub(crate) mod level_map;
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) mod read_tile;
 pub(crate) mod reduce;
+pub(crate) mod samples;
 pub(crate) mod sampling;
 pub(crate) mod sparse;
 pub(crate) mod store;

@@ -5,44 +5,39 @@
 use crate::gpu::readback::BytesBack;
 use crate::tiles::atlas::Planes;
 use crate::{error::RenderError, gpu::device::Gpu};
-use foveal_core::view::picture::{Picture, plane_size};
 
-/// A rectangle of one layer of a texture.
+/// A rectangle of one layer and mip of a texture.
 struct Region {
     at: [u32; 2],
     layer: u32,
+    mip: u32,
     size: [u32; 2],
 }
 
-/// The samples of the tile whose first luma texel is at column, row and layer `texel`, `size` luma
-/// pixels large; blocks until the GPU is done.
+/// Y, U and V in `mip` of the tile whose first luma texel in mip 0 is at column, row and layer
+/// `texel`; `sizes` are columns and rows of luma and of chroma. Blocks until the GPU is done.
 pub(crate) fn read_planes(
     gpu: &Gpu,
     planes: &Planes,
-    [x, y, layer]: [u32; 3],
-    size: [u32; 2],
-) -> Result<Picture, RenderError> {
-    let region = |shrink: u32, size| Region {
-        at: [x / shrink, y / shrink],
+    ([x, y, layer], mip): ([u32; 3], u32),
+    sizes: [[u32; 2]; 2],
+) -> Result<[Vec<u8>; 3], RenderError> {
+    let region = |plane: usize| Region {
+        at: [x, y].map(|texel| (texel >> plane) >> mip),
         layer,
-        size,
+        mip,
+        size: sizes[plane],
     };
-    let [width, height] = size;
-    let half = plane_size(width, height, 1);
     let mut encoder = gpu.encoder("a tile's samples");
     let copies = [
-        TexelCopy::record(gpu, &mut encoder, &planes.luma, &region(1, size)),
-        TexelCopy::record(gpu, &mut encoder, &planes.chroma, &region(2, half)),
+        TexelCopy::record(gpu, &mut encoder, &planes.luma, &region(0)),
+        TexelCopy::record(gpu, &mut encoder, &planes.chroma, &region(1)),
     ];
     gpu.submit(encoder);
     let [luma, chroma] = copies.map(|copy| copy.texels(gpu));
     let (luma, chroma) = (luma?, chroma?);
     let every_other = |first: usize| chroma.iter().skip(first).step_by(2).copied().collect();
-    Ok(Picture {
-        width,
-        height,
-        planes: [luma, every_other(0), every_other(1)],
-    })
+    Ok([luma, every_other(0), every_other(1)])
 }
 
 /// Texels on their way, and how their rows lie.
@@ -67,7 +62,7 @@ impl TexelCopy {
         encoder.copy_texture_to_buffer(
             wgpu::TexelCopyTextureInfo {
                 texture,
-                mip_level: 0,
+                mip_level: region.mip,
                 origin: wgpu::Origin3d {
                     x,
                     y,

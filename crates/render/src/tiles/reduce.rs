@@ -4,21 +4,11 @@
 //! spacing. The box average is made once, when the tile arrives, for every later frame to read: of
 //! luma as light, as the coarser levels themselves were made.
 
-use foveal_core::content::video::grid::tile_grid::{Cut, Tile, TileGrid};
+use crate::tiles::samples::{Extent, Samples, reductions};
+use crate::twin::halve_tiles::halved;
+use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::perception::measures::luma_light::LumaLight;
-use foveal_core::view::picture::{Colour, Picture, plane_size};
-
-/// One plane of a tile at some spacing.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Samples {
-    /// Columns and rows.
-    pub(crate) size: [u32; 2],
-    /// Which sample of the level's lattice the first one is, counted from the start of the segment
-    /// (see [`crate::params::TileParams::segment`]).
-    pub(crate) first: [u32; 2],
-    /// Codes, row by row.
-    pub(crate) codes: Vec<u8>,
-}
+use foveal_core::view::picture::{Colour, Picture};
 
 /// Plane `p` of `tile`, then its averages at the spacing of every coarser level but the coarsest.
 #[must_use]
@@ -29,19 +19,12 @@ pub(crate) fn pyramid(
     p: usize,
     colour: Colour,
 ) -> Vec<Samples> {
-    let segment_origin = match grid.cut {
-        Cut::Tile(_) => [0, 0],
-        Cut::Grid(_) => grid.origin(tile),
-    };
-    let origin = grid.origin(tile);
-    let pitch = grid.scale(tile.level) * if p == 0 { 1 } else { 2 };
     let mut all = vec![Samples {
-        size: plane_size(picture.width, picture.height, p),
-        first: [0, 1].map(|k| (origin[k] - segment_origin[k]) / pitch),
+        extent: Extent::of(grid, tile, p),
         codes: picture.planes[p].clone(),
     }];
     let table = LumaLight::of(colour);
-    for _ in tile.level + 1..grid.coarsest() {
+    for _ in 0..reductions(grid, tile) {
         let finer = &all[all.len() - 1];
         all.push(match p {
             0 => reduce(
@@ -64,45 +47,17 @@ fn reduce(
     value: impl Fn(u8) -> i32,
     code: impl Fn(i32) -> u8,
 ) -> Samples {
-    let first = from.first.map(|f| f / ratio);
-    let size = [0, 1].map(|k| (from.first[k] + from.size[k]).div_ceil(ratio) - first[k]);
+    let Extent { first, size } = from.extent;
     let is_even = |side: &u32| side.is_multiple_of(2);
-    let codes = if ratio == 2 && from.first.iter().chain(&from.size).all(is_even) {
-        means_of_pairs(from, value, code)
-    } else {
-        means(from, (first, size), ratio, value, code)
-    };
-    Samples { size, first, codes }
-}
-
-/// The averages that a reduction of this first sample and size has.
-fn means(
-    from: &Samples,
-    (first, size): ([u32; 2], [u32; 2]),
-    ratio: u32,
-    value: impl Fn(u8) -> i32,
-    code: impl Fn(i32) -> u8,
-) -> Vec<u8> {
-    let mut codes = Vec::with_capacity(size[0] as usize * size[1] as usize);
-    for y in 0..size[1] {
-        let rows = covered(from, 1, (first[1] + y) * ratio, ratio);
-        for x in 0..size[0] {
-            let columns = covered(from, 0, (first[0] + x) * ratio, ratio);
-            let count = (rows.len() * columns.len()) as i32;
-            let mut sum = count / 2;
-            for row in rows.clone() {
-                let line = &from.codes[row * from.size[0] as usize..];
-                sum += line[columns.clone()].iter().map(|&c| value(c)).sum::<i32>();
-            }
-            codes.push(code(sum / count));
-        }
+    if ratio == 2 && first.iter().chain(&size).all(is_even) {
+        return halved_by_pairs(from, value, code);
     }
-    codes
+    halved(from, ratio, value, code)
 }
 
 /// The same, several times as fast, where every average is of two pairs, one below the other.
-fn means_of_pairs(from: &Samples, value: impl Fn(u8) -> i32, code: impl Fn(i32) -> u8) -> Vec<u8> {
-    let columns = from.size[0] as usize;
+fn halved_by_pairs(from: &Samples, value: impl Fn(u8) -> i32, code: impl Fn(i32) -> u8) -> Samples {
+    let columns = from.extent.size[0] as usize;
     let mut codes = Vec::with_capacity(from.codes.len() / 4);
     for rows in from.codes.chunks_exact(2 * columns) {
         let (above, below) = rows.split_at(columns);
@@ -112,14 +67,10 @@ fn means_of_pairs(from: &Samples, value: impl Fn(u8) -> i32, code: impl Fn(i32) 
             code((sum + 2) / 4)
         }));
     }
-    codes
-}
-
-/// The samples of axis `k` in [start, start + ratio) of the lattice, counted from the tile's first.
-fn covered(from: &Samples, k: usize, start: u32, ratio: u32) -> std::ops::Range<usize> {
-    let low = start.max(from.first[k]) - from.first[k];
-    let high = (start + ratio).min(from.first[k] + from.size[k]) - from.first[k];
-    low as usize..high as usize
+    Samples {
+        extent: from.extent.reduced(2),
+        codes,
+    }
 }
 
 #[cfg(test)]
@@ -129,24 +80,28 @@ mod tests {
     #[test]
     fn a_reduced_ramp_is_the_ramp_at_its_new_spacing() {
         let ramp = Samples {
-            size: [8, 2],
-            first: [4, 0],
+            extent: Extent {
+                first: [4, 0],
+                size: [8, 2],
+            },
             codes: (0..16).map(|i| (i % 8) * 10).collect(),
         };
         let half = reduce(&ramp, 2, i32::from, |mean| mean as u8);
-        assert_eq!((half.size, half.first), ([4, 1], [2, 0]));
+        assert_eq!((half.extent.size, half.extent.first), ([4, 1], [2, 0]));
         assert_eq!(half.codes, [5, 25, 45, 65]);
     }
 
     #[test]
     fn what_sticks_out_of_a_tile_is_not_averaged() {
         let odd = Samples {
-            size: [3, 1],
-            first: [1, 0],
+            extent: Extent {
+                first: [1, 0],
+                size: [3, 1],
+            },
             codes: vec![10, 20, 40],
         };
         let half = reduce(&odd, 2, i32::from, |mean| mean as u8);
-        assert_eq!((half.size, half.first), ([2, 1], [0, 0]));
+        assert_eq!((half.extent.size, half.extent.first), ([2, 1], [0, 0]));
         assert_eq!(half.codes, [10, 30]);
     }
 
@@ -167,23 +122,24 @@ mod tests {
             let size = [0; 2].map(|_| 2 + 2 * below(20));
             let first = [0; 2].map(|_| 2 * below(9));
             let codes = (0..size[0] * size[1]).map(|_| below(256) as u8).collect();
-            let from = Samples { size, first, codes };
-            let whole = (first.map(|f| f / 2), size.map(|s| s / 2));
+            let extent = Extent { first, size };
+            let from = Samples { extent, codes };
             let (light, code) = (|c| table.light(c), |mean| table.code(mean));
             let (plain, same) = (i32::from, |mean| mean as u8);
             assert_eq!(
-                means_of_pairs(&from, light, code),
-                means(&from, whole, 2, light, code)
+                halved_by_pairs(&from, light, code),
+                halved(&from, 2, light, code)
             );
             assert_eq!(
-                means_of_pairs(&from, plain, same),
-                means(&from, whole, 2, plain, same)
+                halved_by_pairs(&from, plain, same),
+                halved(&from, 2, plain, same)
             );
         }
     }
 
     #[test]
     fn a_fine_tile_seen_from_afar_is_as_bright_as_its_texture() {
+        use foveal_core::content::video::grid::tile_grid::Cut;
         use foveal_core::view::picture::Matrix;
         use foveal_core::view::surface::Surface;
         let grid = TileGrid::new(Surface::cube(64), Cut::Tile(16), 3, 2).unwrap();

@@ -5,11 +5,14 @@ use crate::idle::IdleUnits;
 use crate::params::TileParams;
 use crate::tiles::atlas::{Atlas, SlotPlace};
 use crate::tiles::atlas_shape::AtlasShape;
+use crate::tiles::halving::{HalvedBy, NewTile, TileHalving};
 use crate::tiles::level_map::{LEVEL_BITS, contains, level_in, shown_map};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::tiles::read_tile::read_planes;
 use crate::{error::RenderError, gpu::device::Gpu, tiles::reduce::pyramid};
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
+#[cfg(not(target_arch = "wasm32"))]
+use foveal_core::view::picture::plane_size;
 use foveal_core::view::picture::{Colour, Picture};
 use std::collections::{HashMap, HashSet};
 
@@ -22,6 +25,8 @@ pub struct TileStore {
     grid: TileGrid,
     colour: Colour,
     atlas: Atlas,
+    /// What makes averages of tiles on the GPU; where there is none, `upload` makes them.
+    halving: Option<TileHalving>,
     tables: Tables,
     resident: HashMap<Tile, Resident>,
     base_frames: Vec<Option<u32>>,
@@ -44,6 +49,8 @@ struct Resident {
     frame: u32,
     touched: u64,
     is_shown: bool,
+    /// Whether the slot also holds its averages, for which a frame waits.
+    is_halved: bool,
 }
 
 /// What the shaders look up: the uniform, and what is shown over every cell.
@@ -62,13 +69,14 @@ impl TileStore {
         layers: u32,
     ) -> Result<Self, RenderError> {
         let atlas = Atlas::new(gpu, AtlasShape::new(grid), layers)?;
-        Ok(Self {
+        let mut store = Self {
             gpu: gpu.clone(),
             grid: *grid,
             colour,
             tables: Tables::new(gpu, grid, colour),
             free: atlas.slots().collect(),
             atlas,
+            halving: None,
             resident: HashMap::new(),
             idle: IdleUnits::default(),
             evicted: Vec::new(),
@@ -77,7 +85,24 @@ impl TileStore {
             clock: 0,
             map_is_stale: true,
             generation: 0,
-        })
+        };
+        store.halve_by(HalvedBy::fastest(gpu));
+        Ok(store)
+    }
+
+    /// Chooses what makes the averages of tiles, in place of what takes less time on this adapter.
+    ///
+    /// # Panics
+    /// Tiles were uploaded already.
+    pub fn halve_by(&mut self, by: HalvedBy) {
+        assert!(
+            self.resident.is_empty(),
+            "tiles came before what halves them"
+        );
+        self.halving = match by {
+            HalvedBy::Gpu => Some(TileHalving::new(&self.gpu, self.colour)),
+            HalvedBy::Cpu => None,
+        };
     }
 
     /// From now on source frame `frame` is shown: only tiles uploaded for it are.
@@ -92,16 +117,18 @@ impl TileStore {
     pub fn upload(&mut self, tile: Tile, frame: u32, picture: &Picture) -> Result<(), RenderError> {
         check(&self.grid, tile, picture)?;
         self.map_is_stale = true;
-        let planes = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p, self.colour));
         if tile.level == self.grid.coarsest() {
-            let samples = [0, 1, 2].map(|p| &planes[p][0]);
-            self.atlas.write_base(&self.gpu, tile, samples);
+            self.write(self.atlas.texel_of_base(tile), picture);
             self.base_frames[self.grid.rank(tile) as usize] = Some(frame);
             return Ok(());
         }
         let slot = self.slot_for(tile);
-        let octaves = self.grid.ratio.trailing_zeros();
-        self.atlas.write_slot(&self.gpu, slot, octaves, &planes);
+        let texel = self.atlas.texel_of_slot(slot);
+        let is_halved = self.halving.is_none();
+        match is_halved {
+            true => self.write_halved(tile, texel, picture),
+            false => self.write(texel, picture),
+        }
         self.clock += 1;
         let touched = self.clock;
         self.resident.insert(
@@ -111,10 +138,26 @@ impl TileStore {
                 frame,
                 touched,
                 is_shown: true,
+                is_halved,
             },
         );
         self.idle.remove(tile);
         Ok(())
+    }
+
+    fn write(&self, texel: [u32; 3], picture: &Picture) {
+        let planes = [0, 1, 2].map(|p| (picture.plane_size(p), picture.planes[p].as_slice()));
+        self.atlas.planes.write(&self.gpu, texel, 0, planes);
+    }
+
+    /// Writes a tile and its averages, made here.
+    fn write_halved(&self, tile: Tile, texel: [u32; 3], picture: &Picture) {
+        let [y, u, v] = [0, 1, 2].map(|p| pyramid(&self.grid, tile, picture, p, self.colour));
+        for (step, ((y, u), v)) in (0..).zip(y.iter().zip(&u).zip(&v)) {
+            let mip = step * self.grid.ratio.trailing_zeros();
+            let planes = [y, u, v].map(|it| (it.extent.size, it.codes.as_slice()));
+            self.atlas.planes.write(&self.gpu, texel, mip, planes);
+        }
     }
 
     /// Evicts every tile that is not in `wanted`; the coarsest level always stays.
@@ -198,7 +241,10 @@ impl TileStore {
     /// Blocks until the GPU holds what was uploaded: without a draw now and then the copies on
     /// their way would pile up in main memory.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn settle(&self) -> Result<(), RenderError> {
+    pub fn settle(&mut self) -> Result<(), RenderError> {
+        let mut encoder = self.gpu.encoder("averages of tiles");
+        self.halve(&mut encoder);
+        self.gpu.submit(encoder);
         self.gpu.settle()
     }
 
@@ -213,22 +259,46 @@ impl TileStore {
             }
             None => return Err(RenderError::NotResident(tile)),
         };
-        let size = self.grid.tile_size(tile);
-        read_planes(&self.gpu, &self.atlas.planes, texel, size)
+        let [width, height] = self.grid.tile_size(tile);
+        let sizes = [0, 1].map(|p| plane_size(width, height, p));
+        let planes = read_planes(&self.gpu, &self.atlas.planes, (texel, 0), sizes)?;
+        Ok(Picture {
+            width,
+            height,
+            planes,
+        })
     }
 
     /// Bytes of GPU memory allocated for textures and tables.
     #[must_use]
     pub fn gpu_bytes(&self) -> u64 {
-        self.atlas.planes.bytes() + self.tables.bytes()
+        let halving = self.halving.as_ref().map_or(0, TileHalving::bytes);
+        self.atlas.planes.bytes() + self.tables.bytes() + halving
     }
 
-    /// Sends the tables that changed; call before the draw.
-    pub(crate) fn flush(&mut self) {
+    /// Sends the tables that changed, and records the averages of tiles that came; call before the
+    /// draw.
+    pub(crate) fn flush(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.halve(encoder);
         if std::mem::take(&mut self.map_is_stale) {
             let map = self.shown_map();
             self.tables.send(&self.gpu, map);
         }
+    }
+
+    fn halve(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let Some(halving) = &self.halving else {
+            return;
+        };
+        let new = self.resident.iter_mut().filter(|(_, it)| !it.is_halved);
+        let mut new: Vec<NewTile> = new
+            .map(|(tile, resident)| {
+                resident.is_halved = true;
+                (*tile, self.atlas.texel_of_slot(resident.slot))
+            })
+            .collect();
+        let planes = &self.atlas.planes;
+        halving.record((&self.gpu, encoder), planes, &self.grid, &mut new);
     }
 
     /// What the shaders look up at a cell: the level, and where the atlas holds its tile.

@@ -10,7 +10,7 @@ use crate::gpu::picture_target::PictureTarget;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gpu::readback::PictureCopy;
 use crate::gpu::screen_pass::{Reads, ScreenPass};
-use crate::gpu::textures::{paired, texture_array, write_texels};
+use crate::gpu::textures::{layers_of, paired, texture_array, write_texels};
 use crate::params::{TileParams, ViewParams};
 use crate::shaders;
 use crate::tiles::blur::{Blur, FirstHalf, RadialBlur};
@@ -245,12 +245,7 @@ fn bind(
     levels: &[LevelTextures],
 ) -> wgpu::BindGroup {
     let views = |of: fn(&LevelTextures) -> &wgpu::Texture| {
-        let view = move |level: usize| {
-            of(&levels[level.min(levels.len() - 1)]).create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..wgpu::TextureViewDescriptor::default()
-            })
-        };
+        let view = move |level: usize| layers_of(of(&levels[level.min(levels.len() - 1)]), 0..1);
         (0..MOST_LEVELS).map(view).collect::<Vec<_>>()
     };
     let textures = [views(|level| &level.luma), views(|level| &level.chroma)].concat();

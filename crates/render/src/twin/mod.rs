@@ -9,6 +9,7 @@ mod blur_halve;
 mod blur_radial;
 mod fading;
 mod filters;
+pub(crate) mod halve_tiles;
 mod interpolate_sparse;
 mod overlay;
 mod projected;

@@ -16,7 +16,7 @@ use foveal_core::view::picture::{Colour, Matrix, Picture, plane_size};
 use foveal_core::view::surface::{Eye, Projection, Screen, Surface};
 use foveal_render::gpu::readback::BytesBack;
 use foveal_render::twin::TwinTiles;
-use foveal_render::{Gpu, Renderer, RgbaImage};
+use foveal_render::{Gpu, HalvedBy, Renderer, RgbaImage};
 
 pub const FULL: Colour = Colour {
     matrix: Matrix::Bt709,
@@ -121,7 +121,13 @@ impl Scene {
 
     /// The coarsest level and `tiles`, on the GPU.
     pub fn on_gpu(&self, gpu: &Gpu, tiles: &[Tile]) -> Renderer {
+        self.halved_by(HalvedBy::Cpu, gpu, tiles)
+    }
+
+    /// The same, with averages that one or the other makes.
+    pub fn halved_by(&self, by: HalvedBy, gpu: &Gpu, tiles: &[Tile]) -> Renderer {
         let mut renderer = Renderer::new(gpu, &self.grid, self.colour, 256).unwrap();
+        renderer.tiles().halve_by(by);
         renderer.tiles().begin_frame(1);
         for tile in self
             .grid

@@ -3,7 +3,8 @@
 use crate::error::RenderError;
 use crate::params::TileParams;
 use crate::tiles::level_map::shown_map;
-use crate::tiles::reduce::{Samples, pyramid};
+use crate::tiles::reduce::pyramid;
+use crate::tiles::samples::Samples;
 use crate::tiles::store::check;
 use foveal_core::content::video::grid::tile_grid::{Tile, TileGrid};
 use foveal_core::view::picture::{Colour, Picture};
@@ -89,7 +90,7 @@ impl TwinTiles {
     #[must_use]
     pub fn read_tile(&self, tile: Tile) -> Option<Picture> {
         let (_, planes) = self.resident.get(&tile)?;
-        let [width, height] = planes[0].first()?.size;
+        let [width, height] = planes[0].first()?.extent.size;
         Some(Picture {
             width,
             height,
@@ -226,9 +227,11 @@ pub(crate) fn load(source: &SourceTile<'_>, plane: Plane, texel: IVec2, mip: u32
     };
     let value = |p: usize| {
         let samples = &planes[p][mip as usize];
-        let [columns, rows] = samples.size;
+        let [columns, rows] = samples.extent.size;
         let inside = texel.cmpge(IVec2::ZERO).all()
-            && texel.cmplt(UVec2::from(samples.size).as_ivec2()).all();
+            && texel
+                .cmplt(UVec2::from(samples.extent.size).as_ivec2())
+                .all();
         assert!(
             inside,
             "{texel} is outside a tile of {columns}x{rows} samples: {:?}",
