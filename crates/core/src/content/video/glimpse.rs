@@ -183,6 +183,14 @@ impl Glimpse {
         finder
     }
 
+    /// Keeps nothing but what a spread of the gaze makes of eccentricities.
+    pub(super) fn forget(&mut self) {
+        *self = Self {
+            spread: self.spread.take(),
+            ..Self::default()
+        };
+    }
+
     /// Keeps what was found, and no more: a viewer should hold little.
     pub(super) fn trim(&mut self) {
         self.seen.forget_signatures();

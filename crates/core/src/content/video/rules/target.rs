@@ -217,10 +217,11 @@ impl TargetSelector {
 
     /// Keeps what was found; not under `acuity`, where a glance is rarely measured twice.
     fn keep(&mut self, mut glimpse: Glimpse) {
-        if self.rule.is_none() {
-            glimpse.trim();
-            self.glimpse = glimpse;
+        match self.rule {
+            Some(_) => glimpse.forget(),
+            None => glimpse.trim(),
         }
+        self.glimpse = glimpse;
     }
 
     /// What is kept in addition to what is chosen while the eye stays and the head turns far. The
