@@ -12,6 +12,8 @@ use foveal_core::session::unit_states::Piece;
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
+/// How long a player sleeps at most until it takes what has been decoded.
+const TAKEN_EVERY: Duration = Duration::from_millis(4);
 /// Rounds in which what came is shown and more is asked for, at one time: where little may be under
 /// way at once, more takes another round.
 const MOST_ROUNDS: u32 = 10_000;
@@ -84,6 +86,8 @@ impl Player {
             if round == 0 {
                 made.choose = stepping.elapsed();
             }
+            // Workers begin while the rest is asked for.
+            let asking = Instant::now();
             let stepped = self.perform(actions, now)?;
             self.run.log.push_str(&stepped.log);
             made.chosen = stepped.chosen.or(made.chosen);
@@ -98,7 +102,10 @@ impl Player {
             if is_last {
                 break;
             }
-            let decoding = Instant::now();
+            let decoding = match round {
+                0 => asking,
+                _ => Instant::now(),
+            };
             self.fetch(&mut made);
             self.decode(patience.map(|it| (begun, it)), &mut made)?;
             made.decode += decoding.elapsed();
@@ -157,12 +164,25 @@ impl Player {
         let until_due = || {
             patience.map(|(begun, most): (Instant, Duration)| most.saturating_sub(begun.elapsed()))
         };
-        self.supply.wait_for_all(until_due());
+        let mut has_waited = false;
         while !left.is_empty() {
             let patience = until_due().filter(|_| base == 0);
-            let Some(decoded) = self.supply.next(patience) else {
+            let is_due = patience == Some(Duration::ZERO);
+            // What is there is taken a few times a frame: all of it at the end would take long.
+            let decoded = match self.supply.next(Some(Duration::ZERO)) {
+                None if !has_waited && !is_due => {
+                    let most = patience.map_or(TAKEN_EVERY, |it| it.min(TAKEN_EVERY));
+                    self.supply.wait_for_all(Some(most));
+                    has_waited = true;
+                    continue;
+                }
+                None => self.supply.next(patience),
+                decoded => decoded,
+            };
+            let Some(decoded) = decoded else {
                 break;
             };
+            has_waited = false;
             // Others are of an earlier order, and came too late for it.
             if !left.remove(&decoded.piece) {
                 continue;

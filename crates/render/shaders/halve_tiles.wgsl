@@ -1,4 +1,4 @@
-// How does a tile look from one level further away?
+// How does a tile look at the next coarser level's spacing?
 //
 // The mean of the samples in every square of `ratio` x `ratio`, rounded, of luma as light; samples
 // that the tile lacks do not count. In whole numbers, so that every device finds the same code.
@@ -7,12 +7,12 @@
 
 struct Halved {
     // What is written: column and row of the first texel, columns and rows.
-    corner: vec2u,
+    first: vec2u,
     size: vec2u,
     // What is read: the tile's texels from `low` up to `high`, that one left out.
     low: vec2u,
     high: vec2u,
-    // The first texel of the square under texel (0, 0), had the tile one there.
+    // What a written texel times `ratio` lacks to the first texel of its square.
     shift: vec2i,
     layer: u32,
     ratio: u32,
@@ -26,20 +26,20 @@ override pipeline_luma: bool = true;
 @group(0) @binding(1) var<storage, read> lights: array<u32>;
 @group(0) @binding(2) var finer: texture_2d_array<f32>;
 
-struct Corner {
+struct Vertex {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) tile: u32,
 }
 
 @vertex
 fn place_tile(
-    @builtin(vertex_index) corner: u32,
+    @builtin(vertex_index) vertex: u32,
     @builtin(instance_index) index: u32,
-) -> Corner {
+) -> Vertex {
     let tile = tiles[index];
-    let at = vec2f(tile.corner + vec2u(corner & 1u, corner >> 1u) * tile.size);
+    let at = vec2f(tile.first + vec2u(vertex & 1u, vertex >> 1u) * tile.size);
     let share = at / vec2f(textureDimensions(finer) / tile.ratio);
-    return Corner(vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0), index);
+    return Vertex(vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0), index);
 }
 
 // What the codes of a texel stand for.
@@ -63,13 +63,14 @@ fn codes_at(texel: vec2i, layer: u32) -> vec2u {
 }
 
 @fragment
-fn halve_tiles(seen: Corner) -> @location(0) vec4f {
+fn halve_tiles(seen: Vertex) -> @location(0) vec4f {
     let tile = tiles[seen.tile];
     let start = vec2i(seen.position.xy) * i32(tile.ratio) + tile.shift;
     let low = max(start, vec2i(tile.low));
     let high = min(start + i32(tile.ratio), vec2i(tile.high));
     let sides = vec2u(high - low);
     let count = sides.x * sides.y;
+    // Half of the count rounds the mean.
     var sum = vec2u(count / 2u);
     for (var y = low.y; y < high.y; y = y + 1) {
         for (var x = low.x; x < high.x; x = x + 1) {

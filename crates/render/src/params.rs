@@ -97,7 +97,7 @@ pub struct HalvedParams {
     pub low: [u32; 2],
     /// Column and row behind the last texel that is read.
     pub high: [u32; 2],
-    /// The first texel of the square under texel (0, 0), had the tile one there.
+    /// What a written texel times `ratio` lacks to the first texel of its square.
     pub shift: [i32; 2],
     /// Layer of the atlas.
     pub layer: u32,

@@ -220,10 +220,10 @@ impl Decoder for DecodePool {
                 state.done.push_back(done);
                 continue;
             }
-            let chain = self.shared.chain(&state.streams, place);
+            let pictures = self.shared.pictures_of(&state.streams, place);
             let job = Job {
                 place,
-                chain,
+                pictures,
                 bytes,
             };
             state.queue.ask(job, place.0.level == coarsest);
@@ -235,9 +235,10 @@ impl Decoder for DecodePool {
     /// Of the coarsest level only.
     fn expect(&mut self, pieces: Vec<(Piece, UnitBytes)>) {
         let pack = &self.shared.pack;
+        let soon = pieces.first().map(|(piece, _)| piece.frame);
         let jobs = pieces.into_iter().map(|(piece, bytes)| Job {
             place: (pack.tile_of(piece.unit.unit), piece.frame),
-            chain: 1,
+            pictures: 1,
             bytes,
         });
         let of_coarsest = jobs.filter(|job| job.place.0.level == pack.grid().coarsest());
@@ -249,7 +250,7 @@ impl Decoder for DecodePool {
         } = &mut *state;
         ready.retain(|place, _| expected.contains(place));
         let is_new = |job: &Job<_>| !owed.contains(&job.place) && !ready.contains_key(&job.place);
-        queue.expect(jobs.into_iter().filter(is_new));
+        queue.expect(soon, jobs.into_iter().filter(is_new));
         // Those that are awake join it; to wake more would cost more than it saves.
         self.shared.wake_workers(state, 1);
     }
@@ -360,12 +361,12 @@ impl Shared {
         }
     }
 
-    /// Wakes so many workers, if as many sleep.
+    /// Wakes up to `most` sleeping workers.
     fn wake_workers(&self, mut state: MutexGuard<'_, State>, most: usize) {
-        let few = most.min(state.asleep);
-        state.asleep -= few;
+        let woken = most.min(state.asleep);
+        state.asleep -= woken;
         drop(state);
-        (0..few).for_each(|_| self.wake.notify_one());
+        (0..woken).for_each(|_| self.wake.notify_one());
     }
 
     /// Waits until `count` tiles are done, or all that were asked for, at most this long.
@@ -406,7 +407,7 @@ impl Shared {
     }
 
     /// Pictures that a decoder makes for a frame of a tile, those to catch up included.
-    fn chain(&self, streams: &Streams, (tile, frame): TileFrame) -> u32 {
+    fn pictures_of(&self, streams: &Streams, (tile, frame): TileFrame) -> u32 {
         if self.pack.description().codec.is_intra() {
             return 1;
         }
@@ -440,7 +441,7 @@ impl Shared {
         }
     }
 
-    /// Decodes up to the frame; with the decoder for those that follow.
+    /// Decodes up to the frame; returns the decoder too, for the frames that follow.
     fn follow(
         &self,
         place: TileFrame,

@@ -2,17 +2,19 @@
 //!
 //! Frames come in the order in which they were asked for. Of one frame the coarsest level comes
 //! first, which no picture can do without, and then what takes most decoding, so that no worker
-//! begins a long chain when the others are done. What is only expected comes when nothing else can
-//! be taken. A tile is in the hands of one worker at a time, as its pictures build on each other.
+//! begins the longest work when the others are done. What is expected of the next frame comes
+//! before finer tiles of this one: a frame without a finer tile is shown, one without its coarsest
+//! level is late. All else that is expected comes when nothing else can be taken. A tile is in the
+//! hands of one worker at a time, as its pictures build on each other.
 
 use foveal_core::content::video::grid::tile_grid::Tile;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, HashMap, VecDeque};
 
-/// A worker takes so small a share of what is left that all come this many times more.
+/// A share is one of workers x this of what is left, so that all workers come again.
 const ROUNDS: u32 = 2;
-/// Pictures that a batch takes at most, a long chain apart: what a worker holds cannot be shown
-/// when a frame is due, and cannot be taken back.
+/// Pictures that a batch takes at most; a tile that takes more is a batch of its own. What a worker
+/// holds cannot be shown when a frame is due, and cannot be taken back.
 const MOST_OF_BATCH: u32 = 4;
 
 /// A frame of a tile.
@@ -23,7 +25,7 @@ pub(crate) type TileFrame = (Tile, u32);
 pub(crate) struct Job<T> {
     pub(crate) place: TileFrame,
     /// Pictures that are decoded for it, those to catch up included.
-    pub(crate) chain: u32,
+    pub(crate) pictures: u32,
     /// What it is decoded from.
     pub(crate) bytes: T,
 }
@@ -34,7 +36,7 @@ struct Rank {
     /// Which of the frames that were asked for.
     turn: u64,
     is_finer: bool,
-    chain: Reverse<u32>,
+    pictures: Reverse<u32>,
     number: u64,
 }
 
@@ -43,14 +45,18 @@ struct Rank {
 pub(crate) struct DecodeQueue<T> {
     asked: BTreeMap<Rank, Job<T>>,
     /// Pictures that all of them take.
-    chains: u32,
-    /// What is expected.
+    pictures: u32,
+    /// What is expected, in the order in which it is decoded.
     ahead: VecDeque<Job<T>>,
+    /// The frame that is expected next.
+    soon: Option<u32>,
     /// The tiles that workers have, and of which frame.
     taken: HashMap<Tile, u32>,
-    /// The frame that was asked for last, and how many there were before.
+    /// The frame that was asked for last.
     frame: Option<u32>,
+    /// How many frames were asked for.
     turn: u64,
+    /// How many tiles were asked for.
     number: u64,
 }
 
@@ -58,8 +64,9 @@ impl<T> Default for DecodeQueue<T> {
     fn default() -> Self {
         Self {
             asked: BTreeMap::new(),
-            chains: 0,
+            pictures: 0,
             ahead: VecDeque::new(),
+            soon: None,
             taken: HashMap::new(),
             frame: None,
             turn: 0,
@@ -77,25 +84,26 @@ impl<T> DecodeQueue<T> {
             self.turn += 1;
         }
         self.number += 1;
-        self.chains += job.chain;
+        self.pictures += job.pictures;
         let rank = Rank {
             turn: self.turn,
             is_finer: !is_coarsest,
-            chain: Reverse(job.chain),
+            pictures: Reverse(job.pictures),
             number: self.number,
         };
         self.asked.insert(rank, job);
     }
 
-    /// Tiles to be decoded before anybody asks, in the place of those before, each after those of
-    /// its tile that stand before it.
-    pub(crate) fn expect(&mut self, jobs: impl Iterator<Item = Job<T>>) {
+    /// Replaces what is expected: tiles that are decoded before anybody asks for them, those of the
+    /// same tile in this order; those of the frame that comes `soon` first.
+    pub(crate) fn expect(&mut self, soon: Option<u32>, jobs: impl Iterator<Item = Job<T>>) {
+        self.soon = soon;
         self.ahead = jobs.filter(|job| !self.is_taken(job.place)).collect();
     }
 
     /// Takes back what was asked for and no worker has.
     pub(crate) fn cancel(&mut self) -> impl Iterator<Item = TileFrame> + use<T> {
-        self.chains = 0;
+        self.pictures = 0;
         let asked = std::mem::take(&mut self.asked);
         asked.into_values().map(|job| job.place)
     }
@@ -103,35 +111,38 @@ impl<T> DecodeQueue<T> {
     /// What a worker, one of `workers`, decodes next: a fair share, at least one tile where one
     /// can be taken. Each of its tiles must be [given back](Self::give_back).
     pub(crate) fn take(&mut self, workers: u32) -> Vec<Job<T>> {
-        let share = self.chains / workers.saturating_mul(ROUNDS).max(1);
+        let next = self.next();
+        if next.is_none_or(|rank| rank.is_finer)
+            && let Some(job) = self.take_ahead(next.is_some())
+        {
+            return vec![job];
+        }
+        let share = self.pictures / workers.saturating_mul(ROUNDS).max(1);
         let mut left = share.clamp(1, MOST_OF_BATCH);
         let mut batch: Vec<Job<T>> = Vec::new();
         while let Some(rank) = self.next() {
-            let Reverse(chain) = rank.chain;
-            if chain > left && !batch.is_empty() {
+            let Reverse(pictures) = rank.pictures;
+            if pictures > left && !batch.is_empty() {
                 break;
             }
-            left = left.saturating_sub(chain);
-            self.chains -= chain;
+            left = left.saturating_sub(pictures);
+            self.pictures -= pictures;
             if let Some(job) = self.asked.remove(&rank) {
                 self.taken.insert(job.place.0, job.place.1);
                 batch.push(job);
             }
         }
-        if batch.is_empty() {
-            let at = self.ahead.iter().position(|job| self.is_free(job));
-            let next = at.and_then(|at| self.ahead.remove(at));
-            batch.extend(next);
-            batch.iter().for_each(
-                |Job {
-                     place: (tile, frame),
-                     ..
-                 }| {
-                    self.taken.insert(*tile, *frame);
-                },
-            );
-        }
         batch
+    }
+
+    /// What is expected first, or first of the next frame, and can be taken.
+    fn take_ahead(&mut self, is_of_next: bool) -> Option<Job<T>> {
+        let comes = |job: &Job<T>| !is_of_next || self.soon == Some(job.place.1);
+        let mut ahead = self.ahead.iter();
+        let at = ahead.position(|job| comes(job) && self.is_free(job))?;
+        let job = self.ahead.remove(at)?;
+        self.taken.insert(job.place.0, job.place.1);
+        Some(job)
     }
 
     /// A tile that was taken may be taken again.
@@ -172,10 +183,10 @@ mod tests {
         }
     }
 
-    fn job(tile: Tile, frame: u32, chain: u32) -> Job<()> {
+    fn job(tile: Tile, frame: u32, pictures: u32) -> Job<()> {
         Job {
             place: (tile, frame),
-            chain,
+            pictures,
             bytes: (),
         }
     }
@@ -187,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_frame_the_coarsest_level_comes_first_and_then_the_longest_chain() {
+    fn of_a_frame_the_coarsest_level_comes_first_and_then_the_longest_work() {
         let mut queue = DecodeQueue::default();
         queue.ask(job(tile(0, 1), 5, 2), false);
         queue.ask(job(tile(0, 2), 5, 6), false);
@@ -224,36 +235,52 @@ mod tests {
 
     #[test]
     fn a_batch_is_a_fair_share_of_what_is_left_and_at_least_a_tile() {
-        let batches = |tiles: u16, chain: u32, workers: u32| {
+        let batches = |tiles: u16, pictures: u32, workers: u32| {
             let mut queue = DecodeQueue::default();
-            (0..tiles).for_each(|x| queue.ask(job(tile(0, x), 0, chain), false));
+            (0..tiles).for_each(|x| queue.ask(job(tile(0, x), 0, pictures), false));
             let all = std::iter::from_fn(|| Some(taken(&mut queue, workers).len()));
             all.take_while(|count| *count > 0).collect::<Vec<usize>>()
         };
         assert_eq!(batches(12, 1, 2), [3, 2, 1, 1, 1, 1, 1, 1, 1]);
         assert_eq!(batches(40, 1, 2)[..3], [4, 4, 4], "not too many");
-        assert_eq!(batches(3, 8, 2), [1, 1, 1], "a long chain");
+        assert_eq!(batches(3, 8, 2), [1, 1, 1], "a long one");
         assert_eq!(batches(5, 1, 16), [1; 5], "more workers than tiles");
         assert!(batches(0, 1, 16).is_empty());
     }
 
     #[test]
-    fn what_is_expected_comes_when_nothing_else_can_be_taken() {
+    fn what_is_expected_of_the_next_frame_comes_before_finer_tiles_and_the_rest_after_them() {
+        let mut queue = DecodeQueue::default();
+        let ahead = [(0, 6), (1, 6), (2, 7)];
+        let ahead = ahead.map(|(x, frame)| job(tile(4, x), frame, 1));
+        queue.ask(job(tile(4, 3), 5, 1), true);
+        queue.ask(job(tile(0, 9), 5, 1), false);
+        queue.expect(Some(6), ahead.into_iter());
+        let order: Vec<_> = (0..5).flat_map(|_| taken(&mut queue, 64)).collect();
+        let expected = [
+            (tile(4, 3), 5),
+            (tile(4, 0), 6),
+            (tile(4, 1), 6),
+            (tile(0, 9), 5),
+            (tile(4, 2), 7),
+        ];
+        assert_eq!(order, expected);
+    }
+
+    #[test]
+    fn what_is_asked_for_is_expected_no_more() {
         let mut queue = DecodeQueue::default();
         let ahead = [(0, 6), (1, 6), (0, 7), (1, 7)];
         let ahead = ahead.map(|(x, frame)| job(tile(4, x), frame, 1));
-        queue.expect(ahead.into_iter());
-        queue.ask(job(tile(0, 9), 5, 1), false);
-        assert_eq!(taken(&mut queue, 1), [(tile(0, 9), 5)]);
+        queue.expect(Some(6), ahead.into_iter());
         assert_eq!(taken(&mut queue, 1), [(tile(4, 0), 6)]);
-        // Asked for, it is expected no more.
         queue.ask(job(tile(4, 1), 6, 1), true);
         assert_eq!(queue.asked(), 1);
         assert_eq!(taken(&mut queue, 1), [(tile(4, 1), 6)]);
         assert!(taken(&mut queue, 1).is_empty(), "both tiles are taken");
         queue.give_back(tile(4, 1));
         assert_eq!(taken(&mut queue, 1), [(tile(4, 1), 7)]);
-        queue.expect(std::iter::once(job(tile(4, 1), 7, 1)));
+        queue.expect(Some(7), std::iter::once(job(tile(4, 1), 7, 1)));
         queue.give_back(tile(4, 1));
         assert!(taken(&mut queue, 1).is_empty(), "a worker had it");
     }
@@ -262,7 +289,7 @@ mod tests {
     fn cancelling_takes_back_what_no_worker_has_and_leaves_what_is_expected() {
         let mut queue = DecodeQueue::default();
         (0..3).for_each(|x| queue.ask(job(tile(0, x), 5, 1), false));
-        queue.expect(std::iter::once(job(tile(4, 0), 6, 1)));
+        queue.expect(None, std::iter::once(job(tile(4, 0), 6, 1)));
         assert_eq!(taken(&mut queue, 8), [(tile(0, 0), 5)]);
         let back: Vec<_> = queue.cancel().collect();
         assert_eq!(back, [(tile(0, 1), 5), (tile(0, 2), 5)]);

@@ -1,8 +1,8 @@
 //! How does the GPU make the averages of tiles that came?
 //!
-//! Their squares are drawn, one mip of all tiles of a layer at once, before the picture that reads
-//! them. An adapter in software takes longer for that than [`crate::tiles::reduce`] does, so it
-//! leaves them to the thread that uploads.
+//! A pass draws one mip of all new tiles of a layer at once, before a picture reads them. An
+//! adapter in software takes longer for that than [`crate::tiles::reduce`] does, so it leaves them
+//! to the thread that uploads.
 
 use crate::gpu::bindings::bind;
 use crate::gpu::buffers::filled;
@@ -54,7 +54,7 @@ pub(crate) struct TileHalving {
 /// What is drawn of one mip of a plane: tiles by their records, for each layer.
 struct Step {
     plane: usize,
-    /// That is read.
+    /// The mip that is read.
     mip: u32,
     layers: Vec<(u32, Range<u32>)>,
 }
@@ -64,7 +64,7 @@ struct Pass {
     plane: usize,
     bound: wgpu::BindGroup,
     target: wgpu::TextureView,
-    /// By their records.
+    /// Records of the tiles.
     tiles: Range<u32>,
 }
 

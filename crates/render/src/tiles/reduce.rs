@@ -1,4 +1,4 @@
-//! How does a tile look from one level further away?
+//! How does a tile look at the next coarser level's spacing?
 //!
 //! A minified view, or the soft border of a fine tile, shows a fine tile at a coarser level's
 //! spacing. The box average is made once, when the tile arrives, for every later frame to read: of

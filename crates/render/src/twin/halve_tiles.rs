@@ -1,4 +1,4 @@
-//! How does a tile look from one level further away? Twin of `shaders/halve_tiles.wgsl`.
+//! How does a tile look at the next coarser level's spacing? Twin of `shaders/halve_tiles.wgsl`.
 
 use crate::params::HalvedParams;
 use crate::tiles::samples::Samples;

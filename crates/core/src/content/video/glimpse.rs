@@ -1,4 +1,4 @@
-//! What was found of the losses of one glance, and what of it holds for the next choice?
+//! Which losses of a glance are known, and which are kept for the next choice?
 //!
 //! A loss is found when it is asked for: of most cells that of one level or two. It stays as long
 //! as the glance and the group of frames are the same, so that a head that turns while its eye
@@ -63,9 +63,9 @@ struct SeenCell {
     /// Its first place, and how many it has; none out of sight.
     first: usize,
     places: usize,
-    /// What is sensed at its first place, once that was asked for.
+    /// Where what is sensed at its places begins, once that was asked for.
     sensed: Option<usize>,
-    /// The signature of its finest step, once that was asked for.
+    /// Where the signatures of its steps begin, finest first, once they were asked for.
     signatures: Option<usize>,
 }
 
@@ -269,6 +269,7 @@ impl Finder<'_> {
             if !in_view {
                 places.extend(near.places(cell));
             }
+            // Room only grows: as many places are the same ones.
             if places.len() != before.places {
                 self.seen.cells[number] = self.seen_cell(&places, in_view);
                 self.note(number);
@@ -308,7 +309,8 @@ impl Finder<'_> {
         self.losses.pixels[rank] = pixels;
         self.losses.in_view[rank] = in_view;
         let cell = &self.seen.cells[number];
-        for place in self.seen.places_of(cell).iter().filter(|_| cell.in_view) {
+        let places = cell.in_view.then(|| self.seen.places_of(cell));
+        for place in places.unwrap_or_default() {
             self.losses.shown[zone_of(place.eccentricity)] += place.pixels;
         }
         for level in 1..usize::from(self.grid.levels) {

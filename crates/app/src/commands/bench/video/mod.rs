@@ -42,7 +42,12 @@ pub(crate) struct VideoArgs {
     #[arg(long, value_enum)]
     generate: Option<Generated>,
     /// The file that the pack was made from, to be decoded for comparison.
-    #[arg(long, value_name = "FILE", requires = "pack")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "pack",
+        conflicts_with = "generate"
+    )]
     original: Option<PathBuf>,
     /// Where drawn clips are kept (default: the user's folder for caches).
     #[arg(long, value_name = "DIR")]
