@@ -296,7 +296,8 @@ fn a_close_look_decodes_little_and_shows_the_finest_pixels() {
 fn every_way_to_show_a_picture_shows_one_and_goes_back() {
     let folder = Folder::new();
     let pack = flat_pack(&folder);
-    let shots = ["plain", "textures", "blurred", "sampled", "back"].map(|name| folder.name(name));
+    let shots = ["plain", "textures", "blurred", "sampled", "back"];
+    let shots = shots.map(|name| folder.name(&format!("{name}.png")));
     let [plain, textures, blurred, sampled, back] = &shots;
     // From viewport, seven times P comes to sampled, and three times on to viewport.
     let next = |times: usize| "0 key p\n".repeat(times);
