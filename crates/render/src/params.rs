@@ -90,7 +90,7 @@ pub struct Overlay {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct HalvedParams {
     /// Column and row of the first texel that is written.
-    pub corner: [u32; 2],
+    pub first: [u32; 2],
     /// Columns and rows that are written.
     pub size: [u32; 2],
     /// Column and row of the first texel that is read.
@@ -180,7 +180,7 @@ impl HalvedParams {
         let reduced = extent.reduced(ratio);
         let shift = |k: usize| (ratio * reduced.first[k]) as i32 - extent.first[k] as i32;
         Self {
-            corner: [x / ratio, y / ratio],
+            first: [x / ratio, y / ratio],
             size: reduced.size,
             low: [x, y],
             high: [x + extent.size[0], y + extent.size[1]],

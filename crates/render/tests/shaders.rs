@@ -78,7 +78,7 @@ fn what_is_drawn_over_a_picture_is_valid_with_no_capability_that_a_browser_lacks
         parsed(&halve_tiles()),
         "Halved",
         HalvedParams,
-        [corner, size, low, high, shift, layer, ratio]
+        [first, size, low, high, shift, layer, ratio]
     );
     let module = parsed(&blur_radial());
     same_layout!(
