@@ -243,8 +243,7 @@ mod tests {
     use crate::tiles::atlas::Atlas;
     use crate::tiles::atlas_shape::AtlasShape;
     use crate::tiles::read_tile::read_planes;
-    use crate::tiles::samples::Samples;
-    use crate::twin::halve_tiles::halved;
+    use crate::tiles::reduce::pyramid;
     use foveal_core::content::video::grid::tile_grid::Cut;
     use foveal_core::view::picture::{Matrix, Picture};
     use foveal_core::view::surface::{Screen, Surface};
@@ -263,36 +262,7 @@ mod tests {
         picture
     }
 
-    /// Every mip of a plane that is read, by the twin.
-    fn twins(
-        grid: &TileGrid,
-        tile: Tile,
-        picture: &Picture,
-        p: usize,
-        colour: Colour,
-    ) -> Vec<Samples> {
-        let table = LumaLight::of(colour);
-        let mut all = vec![Samples {
-            extent: Extent::of(grid, tile, p),
-            codes: picture.planes[p].clone(),
-        }];
-        for _ in 0..reductions(grid, tile) {
-            let finer = &all[all.len() - 1];
-            let coarser = match p {
-                0 => halved(
-                    finer,
-                    grid.ratio,
-                    |c| table.light(c),
-                    |mean| table.code(mean),
-                ),
-                _ => halved(finer, grid.ratio, i32::from, |mean| mean as u8),
-            };
-            all.push(coarser);
-        }
-        all
-    }
-
-    fn assert_as_by_the_twin(gpu: &Gpu, grid: &TileGrid, colour: Colour) {
+    fn assert_as_by_the_cpu(gpu: &Gpu, grid: &TileGrid, colour: Colour) {
         let mut atlas = Atlas::new(gpu, AtlasShape::new(grid), 256).unwrap();
         let mut free: Vec<_> = atlas.slots().collect();
         let levels = 0..grid.coarsest();
@@ -314,7 +284,7 @@ mod tests {
         gpu.submit(encoder);
         for (n, (tile, texel)) in (0..).zip(&new) {
             let picture = noise(grid.tile_size(*tile), n);
-            let expected = [0, 1, 2].map(|p| twins(grid, *tile, &picture, p, colour));
+            let expected = [0, 1, 2].map(|p| pyramid(grid, *tile, &picture, p, colour));
             for step in 0..=reductions(grid, *tile) {
                 let [y, u, v] = [0, 1, 2].map(|p: usize| &expected[p][step as usize]);
                 let sizes = [y.extent.size, u.extent.size];
@@ -345,7 +315,7 @@ mod tests {
                     full_range,
                     chroma_left: false,
                 };
-                assert_as_by_the_twin(&gpu, &grid, colour);
+                assert_as_by_the_cpu(&gpu, &grid, colour);
             }
         }
     }

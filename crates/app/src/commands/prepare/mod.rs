@@ -1,4 +1,4 @@
-//! Files in, a pack out.
+//! How do files become packs?
 
 pub(crate) mod scene;
 pub(crate) mod video;

@@ -123,10 +123,11 @@ impl Arms {
                 .collect::<anyhow::Result<_>>()?,
         };
         let turn = frames.div_ceil(TURNS);
-        let bar = output::bar(Some(u64::from(frames)), output::Counting::Frames);
+        let all = turn * TURNS;
+        let bar = output::bar(Some(u64::from(all)), output::Counting::Frames);
         for done in 0..TURNS {
             if bar.is_hidden() {
-                output::say(&format!("{} of {frames} frames are played", done * turn));
+                output::say(&format!("{} of {all} frames are played", done * turn));
             }
             for (_, run) in &mut arms.foveated {
                 run.turn(turn)?;
